@@ -1,0 +1,16 @@
+//! Wavefront OBJ and MTL.
+
+use std::path::Path;
+
+use crate::error::ImportError;
+use crate::import::ImportOptions;
+use crate::model::Model;
+
+/// Reads the OBJ file at `path`, without tagging it.
+///
+/// # Errors
+/// [`ImportError`].
+pub fn read(path: &Path, options: &ImportOptions) -> Result<Model, ImportError> {
+    let _ = (path, options);
+    Err(ImportError::new("", crate::ImportErrorKind::Unsupported("stub".into())))
+}

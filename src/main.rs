@@ -1,0 +1,4 @@
+//! The enfilade command.
+#![forbid(unsafe_code)]
+
+fn main() {}
