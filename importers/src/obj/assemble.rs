@@ -9,8 +9,8 @@ use crate::model::{LeftOut, LeftOutReason, Material, MaterialId, Model};
 use crate::obj::guard::{Note, ObjGuard};
 use crate::obj::polygon::{Outcome, Triangulator};
 
-/// Faces between two looks at the cancel token.
-const FACES_PER_CHECK: u64 = 1 << 14;
+/// Corners of faces between two looks at the cancel token.
+const CORNERS_PER_CHECK: usize = 1 << 14;
 
 /// Makes the model of `tobj`'s meshes, one for each part that has faces, in the order of the parts.
 pub(super) fn assemble(
@@ -33,10 +33,11 @@ pub(super) fn assemble(
         face: 0,
         switch: 0,
         material: 0,
+        unchecked_corners: 0,
         triangulator: Triangulator::default(),
         corners: Vec::new(),
         triangles: Vec::new(),
-        fans: Bad::default(),
+        rough: Bad::default(),
         too_large: Bad::default(),
     };
     let mut meshes = meshes.into_iter().filter(|m| !m.mesh.indices.is_empty()).peekable();
@@ -92,10 +93,11 @@ struct Assembler<'a> {
     face: usize,
     switch: usize,
     material: usize,
+    unchecked_corners: usize,
     triangulator: Triangulator,
     corners: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    fans: Bad,
+    rough: Bad,
     too_large: Bad,
 }
 
@@ -134,7 +136,9 @@ impl Assembler<'_> {
         }
         let line = self.guard.face_lines.get(self.face).copied().unwrap_or(0);
         self.face += 1;
-        if (self.face as u64).is_multiple_of(FACES_PER_CHECK) {
+        self.unchecked_corners += self.corners.len();
+        if self.unchecked_corners > CORNERS_PER_CHECK {
+            self.unchecked_corners = 0;
             self.options.watch.check().map_err(|e| self.builder.error(e).at(format!("line {line}")))?;
             self.options.watch.report("build", self.face as f64 / self.guard.faces() as f64);
         }
@@ -157,7 +161,7 @@ impl Assembler<'_> {
             }
             match outcome {
                 Outcome::Exact => {}
-                Outcome::Fan => self.fans.add(line),
+                Outcome::Rough => self.rough.add(line),
                 Outcome::NoArea => no_area.add(line),
                 Outcome::TooLarge => {
                     no_area.add(line);
@@ -176,7 +180,7 @@ impl Assembler<'_> {
 
     fn warn(&mut self) {
         let texts = [
-            (&self.fans, "polygons cross themselves, and were cut into fans of triangles"),
+            (&self.rough, "polygons cross themselves: their triangles are a guess"),
             (&self.too_large, "polygons have over 65536 corners, and are left out"),
         ];
         for (bad, text) in texts {

@@ -3,9 +3,9 @@
 /// Corners nearer to a side than this share of the polygon's extent are on it: touching is no crossing.
 const TOUCH: f64 = 1e-12;
 
-/// Pairs of sides that may be looked at: these, and so many for each side. All pairs of 2,800 sides are within.
-const FREE_PAIRS: usize = 4_000_000;
-const PAIRS_PER_SIDE: usize = 256;
+/// Pairs of boxes that may be looked at: these, and so many for each side. All pairs of 2,000 sides are within.
+const FREE_PAIRS: usize = 1_000_000;
+const PAIRS_PER_SIDE: usize = 1024;
 
 /// The answer of [`crosses_itself`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,45 +20,66 @@ pub(super) enum Crossing {
 
 /// Whether two sides of the ring cross in their inside. Ear cutting takes cubic time on rings that do, and has no
 /// right answer for them.
+///
+/// Looks for pairs of sides whose boxes overlap, down a tree of boxes around runs of 2, 4, 8... successive sides.
 pub(super) fn crosses_itself(ring: &[[f64; 2]]) -> Crossing {
     let count = ring.len();
     let side = |index: usize| [ring[index], ring[(index + 1) % count]];
-    // Sweep along the axis in which the sides are shorter.
-    let along = |axis: usize| (0..count).map(|i| (side(i)[1][axis] - side(i)[0][axis]).abs()).sum::<f64>();
-    let axis = usize::from(along(1) < along(0));
-    let low = |index: usize, axis: usize| side(index)[0][axis].min(side(index)[1][axis]);
-    let high = |index: usize, axis: usize| side(index)[0][axis].max(side(index)[1][axis]);
-    let extent = |axis: usize| {
-        let (lo, hi) =
-            ring.iter().fold((f64::MAX, f64::MIN), |(lo, hi), p| (lo.min(p[axis]), hi.max(p[axis])));
-        hi - lo
-    };
-    let extent = extent(0).max(extent(1));
+    let mut levels = vec![(0..count).map(|i| Box2::around(side(i))).collect::<Vec<_>>()];
+    while let Some(boxes) = levels.last().filter(|boxes| boxes.len() > 1) {
+        let joined = boxes.chunks(2).map(|pair| pair.iter().copied().reduce(Box2::join).unwrap_or(pair[0]));
+        levels.push(joined.collect());
+    }
+    let Some(&whole) = levels.last().and_then(|top| top.first()) else { return Crossing::No };
+    let extent = (whole.hi[0] - whole.lo[0]).max(whole.hi[1] - whole.lo[1]);
     let touch = TOUCH * extent * extent;
 
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|&a, &b| low(a, axis).total_cmp(&low(b, axis)).then(a.cmp(&b)));
-    let mut active: Vec<usize> = Vec::new();
     let mut pairs_left = FREE_PAIRS.saturating_add(count.saturating_mul(PAIRS_PER_SIDE));
-    for index in order {
-        let start = low(index, axis);
-        active.retain(|&other| high(other, axis) >= start);
-        if active.len() > pairs_left {
+    let mut stack = vec![(levels.len() - 1, 0, 0)];
+    while let Some((level, a, b)) = stack.pop() {
+        if pairs_left == 0 {
             return Crossing::Unknown;
         }
-        pairs_left -= active.len();
-        let (lo, hi) = (low(index, 1 - axis), high(index, 1 - axis));
-        for &other in &active {
-            if low(other, 1 - axis) <= hi
-                && high(other, 1 - axis) >= lo
-                && cross(side(index), side(other), touch)
-            {
+        pairs_left -= 1;
+        if a != b && !levels[level][a].overlaps(&levels[level][b]) {
+            continue;
+        }
+        if level == 0 {
+            if a != b && cross(side(a), side(b), touch) {
                 return Crossing::Yes;
             }
+            continue;
         }
-        active.push(index);
+        let below = levels[level - 1].len();
+        let halves = |node: usize| (2 * node..2 * node + 2).filter(move |&half| half < below);
+        for a in halves(a) {
+            // Of a node with itself each pair of halves once.
+            stack.extend(halves(b).filter(|&b| a <= b).map(|b| (level - 1, a, b)));
+        }
     }
     Crossing::No
+}
+
+#[derive(Clone, Copy)]
+struct Box2 {
+    lo: [f64; 2],
+    hi: [f64; 2],
+}
+
+impl Box2 {
+    fn around([a, b]: [[f64; 2]; 2]) -> Box2 {
+        Box2 { lo: [a[0].min(b[0]), a[1].min(b[1])], hi: [a[0].max(b[0]), a[1].max(b[1])] }
+    }
+
+    fn join(self, other: Box2) -> Box2 {
+        let lo = [self.lo[0].min(other.lo[0]), self.lo[1].min(other.lo[1])];
+        let hi = [self.hi[0].max(other.hi[0]), self.hi[1].max(other.hi[1])];
+        Box2 { lo, hi }
+    }
+
+    fn overlaps(&self, other: &Box2) -> bool {
+        (0..2).all(|axis| self.lo[axis] <= other.hi[axis] && other.lo[axis] <= self.hi[axis])
+    }
 }
 
 /// Whether two segments cross in their inside, and by more than `touch`.
@@ -111,7 +132,7 @@ mod tests {
     #[test]
     fn work_is_bounded() {
         // Long parallel sides at 45 degrees: each overlaps all others in both axes.
-        let count = 40_000;
+        let count = 40_002;
         let ring: Vec<[f64; 2]> = (0..count)
             .map(|i| {
                 let (end, shift) = (if i % 4 < 2 { 0.0 } else { 1e6 }, i as f64);

@@ -26,7 +26,7 @@ impl<R: Read> Hashing<R> {
         Hashing { source, hash: XxHash3_64::new(), bytes: 0 }
     }
 
-    pub(super) fn bytes(&self) -> u64 {
+    pub(super) fn bytes_read(&self) -> u64 {
         self.bytes
     }
 
@@ -208,7 +208,7 @@ mod tests {
         let mut reader = io::BufReader::with_capacity(17, Hashing::new(&text[..]));
         io::copy(&mut reader, &mut io::sink()).unwrap();
         let hashing = reader.into_inner();
-        assert_eq!(hashing.bytes(), 5000);
+        assert_eq!(hashing.bytes_read(), 5000);
         assert_eq!(hashing.into_hash().finish(), XxHash3_64::oneshot(&text));
     }
 }

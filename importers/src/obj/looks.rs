@@ -81,8 +81,9 @@ impl Libraries<'_> {
             return Ok(Vec::new());
         };
         let whole = line.text.trim_matches('"');
+        let file = self.file;
         let leaves =
-            |name: &str| ImportError::new(self.file, FolderError::Leaves.into_kind(name)).at(place.clone());
+            |name: &str| ImportError::new(file, FolderError::Leaves.into_kind(name)).at(place.clone());
         match folder.resolve(whole) {
             Ok(path) => return Ok(vec![(whole.to_owned(), path)]),
             Err(FolderError::Leaves) => return Err(leaves(whole)),

@@ -89,7 +89,7 @@ fn read_from(
     let mut warnings = Vec::new();
 
     let progress = |reader: &BufReader<Hashing<_>>| {
-        let done = reader.get_ref().bytes() as f64 / size.max(1) as f64;
+        let done = reader.get_ref().bytes_read() as f64 / size.max(1) as f64;
         options.watch.report("read", done.min(1.0));
     };
     let reader = BufReader::with_capacity(1 << 16, Hashing::new(source));
