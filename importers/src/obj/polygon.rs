@@ -416,12 +416,12 @@ mod tests {
             [4.0, 0.0],
             [4.0, 4.0],
             [0.0, 4.0],
-            [1e-5, 0.0],
+            [1e-4, 0.0],
             [1.0, 1.0],
             [1.0, 3.0],
             [3.0, 3.0],
             [3.0, 1.0],
-            [1.0, 0.99999],
+            [1.0001, 1.0],
         ];
         let (outcome, triangles) = cut(&flat(&keyhole));
         assert_eq!(outcome, Outcome::Rough);
