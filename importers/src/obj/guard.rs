@@ -287,7 +287,7 @@ impl ObjGuard {
             && index > self.vertices
         {
             let mut error = self.out_of_range(line, index);
-            error.element = self.parts.name_of(part).map(str::to_owned);
+            error.element = self.parts.name_of(part).map(shortened);
             return Err(error);
         }
         let line = self.face_lines.last().map_or(0, |&line| u64::from(line));
@@ -383,7 +383,7 @@ impl Guard for ObjGuard {
 
     fn error(&self, number: u64, kind: ImportErrorKind) -> ImportError {
         let mut error = ImportError::new(self.file.clone(), kind).at(format!("line {number}"));
-        error.element = self.parts.name_in_force().map(str::to_owned);
+        error.element = self.parts.name_in_force().map(shortened);
         error
     }
 }
@@ -399,6 +399,11 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
 /// A name: the rest of a statement. Bytes that are no UTF-8 become U+FFFD.
 fn text(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest.trim_ascii()).into_owned()
+}
+
+/// A name as errors show it.
+fn shortened(name: &str) -> String {
+    if name.len() > 256 { excerpt(name) } else { name.to_owned() }
 }
 
 /// Whether a word, if it is a number at all, is a finite one: digits, not too many, and no exponent or letters.
