@@ -361,7 +361,7 @@ fn materials_come_from_the_libraries_beside_the_file() {
     let dir = tempfile::tempdir().unwrap();
     let text = format!(
         "mtllib my colours.mtl\nmtllib sub/b.mtl c.mtl missing.mtl\n{SQUARE}usemtl red\nf 1 2 3\nusemtl glass\n\
-         f 1 3 4\nusemtl red wine\nf 1 2 4\nusemtl unused\nusemtl nowhere\nf 1 2 3\nmtllib late.mtl\n"
+         f 1 3 4\nusemtl red wine\nf 1 2 4\nusemtl unused\nusemtl nowhere\nf 1 2 3\nmtllib late.mtl\nmtllib missing.mtl\nmtllib missing.mtl\n"
     );
     write(dir.path(), "house.obj", &text);
     write(dir.path(), "my colours.mtl", "newmtl red\nKd 1 0 0\nnewmtl unused\nKd 0 0 0\n");
@@ -379,7 +379,8 @@ fn materials_come_from_the_libraries_beside_the_file() {
     assert!(warned(&m, "c.mtl", "no materials"));
     assert!(warned(&m, "sub/b.mtl: line 4", "'red' is defined before (my colours.mtl: line 1)"));
     assert!(warned(&m, "line 14", "no library has the material 'nowhere'"));
-    assert_eq!(m.warnings.len(), 4, "{:?}", m.warnings);
+    assert!(warned(&m, "line 17", "'missing.mtl' cannot be read"));
+    assert_eq!(m.warnings.len(), 5, "{:?}", m.warnings);
 }
 
 #[test]

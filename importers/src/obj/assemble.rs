@@ -49,6 +49,7 @@ pub(super) fn assemble(
             // The guard named each mesh after its part; parts without faces have none.
             if let Some(mesh) = meshes.next_if(|m| m.name.parse() == Ok(part)) {
                 assembler.mesh(element, &mesh.mesh, &mut no_area)?;
+                assembler.builder.budget().give_back(guard.parts.part(part).cost);
             }
             while let Some(&Note { reason, line, count, .. }) = notes.next_if(|n| n.part == part) {
                 let place = format!("line {line}");

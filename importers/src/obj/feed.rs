@@ -98,9 +98,8 @@ impl<'a, R: BufRead, G: Guard> Feed<'a, R, G> {
                 self.ended = true;
                 return self.guard.end(self.budget);
             }
-            // The line that cannot be read is the one after the last one that could.
-            Err(LineError::Io(e)) => return Err(self.guard.error(self.lines.number() + 1, e.into())),
-            Err(LineError::OverBudget(e)) => return Err(self.guard.error(self.lines.number() + 1, e.into())),
+            Err(LineError::Io(e)) => return Err(self.guard.error(self.lines.number(), e.into())),
+            Err(LineError::OverBudget(e)) => return Err(self.guard.error(self.lines.number(), e.into())),
         }
         let (number, text) = (self.lines.number(), self.lines.text());
         if text.contains(&0) {

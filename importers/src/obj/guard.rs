@@ -20,9 +20,10 @@ use crate::obj::parts::{Named, PartTable};
 const VERTEX_COST: u64 = 48;
 /// What `tobj` spends on a face while it reads the part that it is in: an enum of four corners of three indices.
 const OPEN_FACE_COST: u64 = 208;
-/// What a face costs in a finished mesh, with the line that is kept here, and what each corner costs.
-const FACE_COST: u64 = 16;
+/// What a face costs in a finished mesh, what each corner costs, and the line that is kept here.
+const FACE_COST: u64 = 8;
 const CORNER_COST: u64 = 8;
+const LINE_COST: u64 = 8;
 /// What each vertex of a finished mesh costs, with its entry in the map from old to new indices.
 const MESH_VERTEX_COST: u64 = 88;
 
@@ -94,6 +95,8 @@ pub(super) struct ObjGuard {
     /// The part of the last face, its corners, and the most faces that a part had so far.
     open: Option<usize>,
     open_corners: u64,
+    /// The smallest and the largest vertex index of its faces.
+    open_span: Option<[u64; 2]>,
     most_open_faces: u64,
     /// The largest index in the open part that was larger than the number of vertices at its face, and its line.
     ahead: Option<(u64, u64)>,
@@ -226,7 +229,9 @@ impl ObjGuard {
             self.most_open_faces = faces;
             self.transient(line, budget, OPEN_FACE_COST, "faces")?;
         }
-        self.take(line, budget, FACE_COST + CORNER_COST * count, "faces")?;
+        let cost = FACE_COST + CORNER_COST * count;
+        self.take(line, budget, LINE_COST + cost, "faces")?;
+        self.parts.part_mut(part).cost += cost;
         self.open_corners += count;
         if self.switches.last().map_or(0, |s| s.1) != self.material {
             self.take(line, budget, 32, "materials")?;
@@ -252,17 +257,19 @@ impl ObjGuard {
         let index = integer(vertex).ok_or_else(|| shape(self))?;
         match index {
             0 => return Err(self.malformed(line, "a face refers to vertex 0; they count from 1".to_owned())),
+            // The vertex may follow, as long as it does before the next part.
             1.. if index.unsigned_abs() > self.vertices => {
-                // The vertex may follow, as long as it does before the next part.
-                if self.ahead.is_none_or(|(highest, _)| highest < index.unsigned_abs()) {
-                    self.ahead = Some((index.unsigned_abs(), line));
-                }
+                let highest = self.ahead.filter(|&(highest, _)| highest >= index.unsigned_abs());
+                self.ahead = highest.or(Some((index.unsigned_abs(), line)));
             }
             ..0 if index.unsigned_abs() > self.vertices => {
                 return Err(self.out_of_range(line, index));
             }
             _ => {}
         }
+        let index = if index > 0 { index.unsigned_abs() } else { self.vertices + 1 - index.unsigned_abs() };
+        let span = self.open_span.get_or_insert([index; 2]);
+        *span = [span[0].min(index), span[1].max(index)];
         for (known, field) in others.into_iter().zip(&mut fields) {
             // Texture coordinates and normals are not used, so that a wrong reference to them is no error.
             if !field.is_empty() {
@@ -291,8 +298,11 @@ impl ObjGuard {
             return Err(error);
         }
         let line = self.face_lines.last().map_or(0, |&line| u64::from(line));
-        let distinct = std::mem::take(&mut self.open_corners).min(self.vertices);
-        self.take(line, budget, distinct * MESH_VERTEX_COST, "vertices")
+        let span = self.open_span.take().map_or(0, |[low, high]| high - low + 1);
+        let distinct = std::mem::take(&mut self.open_corners).min(span);
+        self.take(line, budget, distinct * MESH_VERTEX_COST, "vertices")?;
+        self.parts.part_mut(part).cost += distinct * MESH_VERTEX_COST;
+        Ok(())
     }
 
     fn note(
@@ -398,7 +408,7 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// A name: the rest of a statement. Bytes that are no UTF-8 become U+FFFD.
 fn text(rest: &[u8]) -> String {
-    String::from_utf8_lossy(rest.trim_ascii()).into_owned()
+    String::from_utf8_lossy(rest).trim().to_owned()
 }
 
 /// A name as errors show it.

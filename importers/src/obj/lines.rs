@@ -85,13 +85,13 @@ impl<R: BufRead> Lines<R> {
     /// Goes to the next statement; `false` at the end.
     pub(super) fn advance(&mut self, budget: &mut Budget) -> Result<bool, LineError> {
         self.text.clear();
+        self.first = self.last + 1;
         let mut any = false;
         let mut is_comment = false;
         while self.physical_line(budget)? {
             self.last += 1;
             if !any {
                 any = true;
-                self.first = self.last;
                 if self.last == 1 && self.text.starts_with(b"\xef\xbb\xbf") {
                     self.text.drain(..3);
                 }
@@ -110,7 +110,7 @@ impl<R: BufRead> Lines<R> {
         &self.text
     }
 
-    /// The line where the statement starts, from 1.
+    /// The line where the statement starts, from 1; after an error, that of the one that could not be read.
     pub(super) fn number(&self) -> u64 {
         self.first
     }

@@ -1,6 +1,6 @@
 //! Materials by name: the libraries that `mtllib` lines name, and their textures' mean colours.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::Hasher;
 use std::path::PathBuf;
 
@@ -31,8 +31,9 @@ pub(super) fn materials(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Option<Material>>, ImportError> {
     let mut libraries = Libraries { file, folder, hash, budget, options, warnings, known: HashMap::new() };
-    let mut read = std::collections::HashSet::new();
-    for library in &guard.libraries {
+    let mut lines = HashSet::new();
+    let mut read = HashSet::new();
+    for library in guard.libraries.iter().filter(|l| lines.insert(l.text.as_str())) {
         for (name, path) in libraries.files(library)? {
             if read.insert(path.clone()) {
                 libraries.read(&name, path, library)?;

@@ -3,8 +3,9 @@
 //! **Elements.** One element per object (`o` line); groups (`g` lines) are other names of it. Without an `o` line in
 //! force, one element per `g` line. An object is split into one element per group where the groups are plainly the
 //! elements: it is the only object of the file, or it has no class and no id, and two or more of its groups do. A
-//! line that repeats the name in force goes on with the same element (exporters do that at each `usemtl`) unless
-//! vertices came in between and the name has no id; a name that comes back later is another element.
+//! line that gives the name in force again goes on with the same element, as exporters write it at each `usemtl`;
+//! but without an id and with new vertices before the next face it begins another one. A name that comes back later
+//! is another element.
 //!
 //! **Names.** `Class:name#id`: class, name and id of the element. A group name `Storey:NAME` or
 //! `IfcBuildingStorey:NAME`, which goes to the end of its line, gives the storey. An element without id has its path

@@ -33,6 +33,8 @@ pub(super) struct Part {
     line: u64,
     /// Faces that `tobj` was given.
     pub(super) faces: u64,
+    /// Bytes of budget that its mesh takes.
+    pub(super) cost: u64,
 }
 
 /// An `o` or `g` line in force, and its place in the table once something is under it.
@@ -151,7 +153,7 @@ impl PartTable {
                 let object = enter(&mut self.object, &mut self.objects)?;
                 let groups = enter(&mut self.group, &mut self.groups)?;
                 budget.take(256, "parts")?;
-                self.parts.push(Part { object, groups, line, faces: 0 });
+                self.parts.push(Part { object, groups, line, faces: 0, cost: 0 });
                 self.current = Some(self.parts.len() - 1);
                 self.parts.len() - 1
             }
@@ -160,6 +162,10 @@ impl PartTable {
             in_force.vertices = Some(vertices);
         }
         Ok(part)
+    }
+
+    pub(super) fn part(&self, part: usize) -> &Part {
+        &self.parts[part]
     }
 
     pub(super) fn part_mut(&mut self, part: usize) -> &mut Part {
