@@ -1,6 +1,18 @@
 //! enfilade: fast, accurate ray tracing of buildings.
 #![deny(unsafe_code)]
 
+#[cfg(feature = "compile")]
+pub mod compile;
+#[cfg(feature = "compile")]
+pub mod components;
+pub mod format;
+#[cfg(feature = "compile")]
+pub mod roles;
+pub mod scene;
 pub mod trace;
 
+#[cfg(feature = "compile")]
+pub use compile::{CompileError, CompileOptions, Compiled, compile};
 pub use enfilade_importers as importers;
+pub use scene::{OpenError, Scene};
+pub use trace::{Answer, Hit, Kernel, NONE, Place, Ray, Start, Want};
