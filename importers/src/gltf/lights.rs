@@ -155,9 +155,8 @@ mod tests {
 
     #[test]
     fn impossible_lights_are_left_out_with_a_warning() {
-        for bad in
-            [json!({ "type": "point", "intensity": 1e39 }), json!({ "type": "point", "intensity": -1.0 })]
-        {
+        let cone = json!({ "innerConeAngle": 0.0, "outerConeAngle": 0.0 });
+        for bad in [json!({ "type": "point", "intensity": -1.0 }), json!({ "type": "spot", "spot": cone })] {
             let model = light(bad);
             assert!(model.lights.is_empty());
             assert_eq!(model.warnings[0].place, "nodes[1]");
