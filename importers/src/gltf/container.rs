@@ -30,12 +30,18 @@ pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, ImportError> {
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         return Ok(Container { json: Cow::Borrowed(json), bin: None });
     }
-    let header = bytes.get(8..HEADER).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
-    let length = header.map_or(0, |length| length as usize);
+    let Some(length) = bytes.get(8..HEADER).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes)
+    else {
+        return Err(malformed("GLB header", format!("the file ends after {} bytes", bytes.len())));
+    };
+    let length = length as usize;
     // The crate subtracts the header's size from this length unchecked, and takes bytes behind the file's stated
     // end for a chunk: it gets neither to see.
     if length < HEADER + CHUNK_HEADER {
-        return Err(malformed("GLB header", format!("{} bytes are no GLB", bytes.len().min(length))));
+        return Err(malformed(
+            "GLB header",
+            format!("the header states {length} bytes: no room for a chunk"),
+        ));
     }
     let Some(stated) = bytes.get(..length) else {
         let text = format!("the header states {length} bytes, the file has {}", bytes.len());

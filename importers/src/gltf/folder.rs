@@ -81,7 +81,7 @@ impl Folder {
     ) -> Result<Vec<u8>, ImportErrorKind> {
         let Some(folder) = &self.0 else {
             let text = format!("'{}' is another file, and there is no folder to look in", short(uri));
-            return Err(ImportErrorKind::Unsupported(text));
+            return Err(ImportErrorKind::Io(io::Error::new(io::ErrorKind::NotFound, text)));
         };
         let named =
             |e: io::Error| ImportErrorKind::Io(io::Error::new(e.kind(), format!("'{}': {e}", short(uri))));
@@ -254,7 +254,7 @@ mod tests {
         let error = read("data:;base64,A$ID").unwrap_err();
         assert_eq!(error.place, "buffers[0].uri");
         assert!(matches!(error.kind, ImportErrorKind::Malformed(_)));
-        assert!(matches!(read("x.bin").unwrap_err().kind, ImportErrorKind::Unsupported(_)));
+        assert!(matches!(read("x.bin").unwrap_err().kind, ImportErrorKind::Io(_)));
     }
 
     #[test]

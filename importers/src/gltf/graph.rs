@@ -67,10 +67,10 @@ pub(super) fn walk(
         }
     }
     // Without scenes every node is below some root, unless it is its own ancestor.
-    if root.scenes.is_empty() {
-        if let Some(node) = graph.shown.iter().position(|shown| !shown) {
-            return Err(malformed(format!("nodes[{node}]"), "the node is its own ancestor"));
-        }
+    if root.scenes.is_empty()
+        && let Some(node) = graph.shown.iter().position(|shown| !shown)
+    {
+        return Err(malformed(format!("nodes[{node}]"), "the node is its own ancestor"));
     }
     Ok(graph)
 }

@@ -36,6 +36,9 @@ pub(super) struct MeanColor {
 }
 
 impl ImageMeans {
+    /// What it takes in memory.
+    pub const BYTES: u64 = 256 * size_of::<Level>() as u64;
+
     fn of(image: &RgbaImage) -> ImageMeans {
         let linear: Vec<f64> = (0..=255u8).map(srgb_to_linear).collect();
         let mut levels = vec![Level::default(); 256];

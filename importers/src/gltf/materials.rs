@@ -81,11 +81,11 @@ fn convert(
     let mut color_texture = pbr.base_color_texture.as_ref().map(|info| info.index.value());
     let mut metallic = pbr.metallic_factor.0;
     let mut roughness = pbr.roughness_factor.0;
-    if let Some(info) = &pbr.metallic_roughness_texture {
-        if let Some(means) = textures.means(info.index.value(), builder)? {
-            roughness *= means.plain[1] as f32;
-            metallic *= means.plain[2] as f32;
-        }
+    if let Some(info) = &pbr.metallic_roughness_texture
+        && let Some(means) = textures.means(info.index.value(), builder)?
+    {
+        roughness *= means.plain[1] as f32;
+        metallic *= means.plain[2] as f32;
     }
     let extensions = material.extensions.as_ref();
     if let Some(old) = extensions.and_then(|e| e.others.get("KHR_materials_pbrSpecularGlossiness")) {
@@ -125,19 +125,19 @@ fn convert(
     let strength =
         extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
     let mut emissive = material.emissive_factor.0.map(|c| c * strength);
-    if let (Some(info), true) = (&material.emissive_texture, emissive.iter().any(|c| *c > 0.0)) {
-        if let Some(means) = textures.means(info.index.value(), builder)? {
-            let color = means.color();
-            emissive = [0, 1, 2].map(|c| emissive[c] * color[c] as f32);
-        }
+    if let (Some(info), true) = (&material.emissive_texture, emissive.iter().any(|c| *c > 0.0))
+        && let Some(means) = textures.means(info.index.value(), builder)?
+    {
+        let color = means.color();
+        emissive = [0, 1, 2].map(|c| emissive[c] * color[c] as f32);
     }
     let mut transmission = 0.0;
     if let Some(extension) = extensions.and_then(|e| e.transmission.as_ref()) {
         transmission = extension.transmission_factor.0;
-        if let Some(info) = &extension.transmission_texture {
-            if let Some(means) = textures.means(info.index.value(), builder)? {
-                transmission *= means.plain[0] as f32;
-            }
+        if let Some(info) = &extension.transmission_texture
+            && let Some(means) = textures.means(info.index.value(), builder)?
+        {
+            transmission *= means.plain[0] as f32;
         }
     }
     let ior = extensions.and_then(|e| e.ior.as_ref()).map_or(1.5, |e| e.ior.0);
@@ -251,6 +251,9 @@ impl Textures<'_> {
         // Never more than what was left.
         let _ = self.decoded.take(account.peak(), "images");
         budget.give_back(budget.used() - before);
+        let means = means.and_then(|means| {
+            budget.take(ImageMeans::BYTES, "means of images").map(|()| means).map_err(|e| e.to_string())
+        });
         Ok(means)
     }
 }

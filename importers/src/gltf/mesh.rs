@@ -123,6 +123,19 @@ impl Part {
         format!("meshes[{}].primitives[{}].{what}", self.mesh, self.primitive)
     }
 
+    /// The stream of vertex indices, for so many vertices; not yet checked against them.
+    ///
+    /// # Errors
+    /// The indices cannot be read.
+    pub fn indices<'a>(&self, accessors: &Accessors<'a>, vertices: u32) -> Result<Indices<'a>, ImportError> {
+        match self.indices {
+            None => Ok(Indices::Counting(0..vertices)),
+            Some(accessor) => accessors.indices(accessor).map_err(|error| {
+                malformed(self.place("indices"), format!("{}: {}", error.place, error.kind))
+            }),
+        }
+    }
+
     /// Hands each triangle to `take`, counter-clockwise as seen from the front in the mesh's own axes.
     ///
     /// # Errors
@@ -133,13 +146,7 @@ impl Part {
         points: &Vectors<3>,
         mut take: impl FnMut(Corners) -> Result<(), ImportError>,
     ) -> Result<(), ImportError> {
-        let indices = match self.indices {
-            None => Indices::Counting(0..points.len()),
-            Some(accessor) => accessors.indices(accessor).map_err(|error| {
-                let text = format!("{}: {}", error.place, error.kind);
-                malformed(self.place("indices"), text)
-            })?,
-        };
+        let indices = self.indices(accessors, points.len())?;
         let count = points.len();
         let mut position = 0u64;
         let mut next = indices.map(|index| {

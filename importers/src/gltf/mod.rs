@@ -1,12 +1,12 @@
 //! glTF 2.0: `.gltf` with buffers beside it or inside it, and `.glb`.
 //!
-//! The way of a file: [`container`] finds the JSON and the binary chunk, [`document`] parses and checks the JSON,
-//! [`buffers`] fetches the bytes, [`graph`] walks the scene that the file shows, [`materials`] and [`lights`] read
-//! what they name, and [`reader`] makes an element of every node with a mesh.
+//! The way of a file: `container` finds the JSON and the binary chunk, `document` parses and checks the JSON,
+//! `buffers` fetches the bytes, `graph` walks the scene that the file shows, `materials` and `lights` read what they
+//! name, and `reader` makes an element of every node with a mesh.
 //!
 //! The `gltf` crate parses and reads typed items. Its own readers trust the file, so that every count, offset and
-//! index is checked before it is asked to read ([`accessors`]), and its f32 node transforms are not used: they are
-//! read again in f64 from the same JSON text ([`document::Placement`]).
+//! index is checked before it is asked to read (`accessors`), and its f32 node transforms are not used: they are
+//! read again in f64 from the same JSON text (`document::Placement`).
 
 mod accessors;
 mod buffers;
@@ -14,6 +14,8 @@ mod container;
 mod document;
 mod extras;
 mod folder;
+#[cfg(test)]
+mod forms;
 mod graph;
 mod identity;
 mod images;
@@ -66,7 +68,7 @@ pub fn read(path: &Path, options: &ImportOptions) -> Result<Model, ImportError> 
 /// file in errors and reports.
 ///
 /// # Errors
-/// As [`read`]; a file that refers to other files is an error, for there is no folder to look in.
+/// As [`read`]; buffers in other files cannot be found. Images in other files are left out with a warning.
 pub fn read_slice(bytes: &[u8], name: &str, options: &ImportOptions) -> Result<Model, ImportError> {
     read_bytes(bytes, name, &Folder::none(), options, Budget::new(&options.limits))
         .map_err(|error| name_file(error, name, name))

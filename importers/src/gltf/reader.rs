@@ -183,6 +183,8 @@ impl Reader<'_> {
         let mut parts = Vec::with_capacity(plan.parts.len());
         for part in &plan.parts {
             let points = self.points(part)?;
+            // Damaged indices are better called that than too many.
+            part.indices(&self.accessors, points.len())?;
             let material = self.materials.get(part.material, &mut self.builder);
             parts.push((part, points, material));
         }
@@ -223,15 +225,18 @@ impl Reader<'_> {
         let mut count = 0u32;
         part.for_each_triangle(&self.accessors, points, |[a, b, c]| {
             count = count.wrapping_add(1);
-            if count % (1 << 16) == 0 {
+            if count.is_multiple_of(1 << 16) {
                 watch.check().map_err(|e| fault("", e.into()))?;
             }
             let mut corners = [[0.0; 3]; 3];
             for (corner, vertex) in corners.iter_mut().zip(if mirrors { [a, c, b] } else { [a, b, c] }) {
                 // In range: `for_each_triangle` checks.
-                *corner = world.point(points.get(vertex).unwrap_or_default());
+                let point = points.get(vertex).unwrap_or_default();
+                *corner = world.point(point);
+                // The file's own value says more than what the transform makes of it.
                 if let Some(value) = corner.iter().find(|c| !c.is_finite()) {
-                    let kind = ImportErrorKind::NotFinite { vertex: u64::from(vertex), value: *value };
+                    let value = *point.iter().find(|c| !c.is_finite()).unwrap_or(value);
+                    let kind = ImportErrorKind::NotFinite { vertex: u64::from(vertex), value };
                     return Err(fault(part.place("attributes.POSITION"), kind));
                 }
             }
@@ -278,10 +283,10 @@ impl Reader<'_> {
         for part in &plan.parts {
             let uses = &mut self.uses[part.positions];
             *uses = uses.saturating_sub(1);
-            if *uses == 0 {
-                if let Some(points) = self.points.remove(&part.positions) {
-                    self.builder.budget().give_back(points.bytes());
-                }
+            if *uses == 0
+                && let Some(points) = self.points.remove(&part.positions)
+            {
+                self.builder.budget().give_back(points.bytes());
             }
         }
     }
