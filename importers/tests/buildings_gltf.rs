@@ -1,6 +1,7 @@
 //! The glTF reader on real buildings, against values computed from the same files by other means.
 //!
 //! Reads the folder named by `ENFILADE_BUILDINGS`; without it these tests are skipped.
+#![cfg(feature = "gltf")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

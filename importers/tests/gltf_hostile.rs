@@ -1,5 +1,6 @@
 //! Damaged and hostile glTF files: each is an error that names file and place; none panics, hangs or takes memory
 //! beyond the limit.
+#![cfg(feature = "gltf")]
 
 use enfilade_importers::{ImportError, ImportOptions, Limits, Model, gltf};
 use serde_json::{Value, json};
