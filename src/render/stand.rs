@@ -33,6 +33,8 @@ pub(super) struct Stand {
     pub(super) cell: u32,
     /// Distance to the nearest thing that was found around the eyes, metres, at most [`AROUND`].
     pub(super) clearance: f64,
+    /// Whether something lies overhead, however high.
+    pub(super) is_covered: bool,
 }
 
 /// All places of a grid over the room number `index` where one can stand, row by row.
@@ -81,7 +83,8 @@ impl Column<'_> {
         }
         let eye = DVec3::new(x, y, floor + EYES.min(room * LOW_EYES));
         let cell = self.air(eye)?;
-        Some(Stand { eye, cell, clearance: self.clearance(eye, cell) })
+        let clearance = self.clearance(eye, cell);
+        Some(Stand { eye, cell, clearance, is_covered: up.t.is_finite() })
     }
 
     /// The height of the floor under a point in the air of the room: of what lies there, or of the room's own bottom

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::camera::Camera;
 use super::stand::{Stand, places};
 use crate::scene::{RoomView, Scene};
-use crate::trace::{Ray, Start, Want};
+use crate::trace::{NONE, Ray, Start, Want};
 
 /// The vertical field of view of pictures of rooms, degrees.
 const INSIDE_FOV: f64 = 70.0;
@@ -21,16 +21,27 @@ const CLEAR: f64 = 0.3;
 
 /// A level view, from 1.6 m above the floor, of the largest room: by volume, or if no room has one, by its bounds.
 /// Of the places in it where one can stand and the directions in which one can look, the one that shows most of the
-/// room: far views, of the room itself, with many things in them. [`outside_view`] if there are no rooms.
+/// room: far views, of the room itself, with many things in them. Roof terraces and courts, which are open to the
+/// sky, count only if all rooms are, and rooms in which nobody can stand do not count. [`outside_view`] if there are
+/// no rooms.
 ///
 /// The same scene gives the same view.
 pub fn auto_view(scene: &Scene) -> Camera {
     let mut rooms: Vec<(f64, u32)> =
         scene.rooms().zip(0..).map(|(room, index)| (size(&room), index)).collect();
     rooms.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    // Usually the first; the next ones where nobody can stand in it.
-    let view = rooms.iter().find_map(|&(_, room)| best_view(scene, room));
-    view.unwrap_or_else(|| outside_view(scene))
+    let mut open_air = None;
+    for (_, room) in rooms {
+        let stands = clear_places(scene, room);
+        if stands.is_empty() {
+            continue;
+        }
+        if stands.iter().filter(|s| s.is_covered).count() * 2 >= stands.len() {
+            return best_view(scene, room, &stands);
+        }
+        open_air = open_air.or(Some((room, stands)));
+    }
+    open_air.map_or_else(|| outside_view(scene), |(room, stands)| best_view(scene, room, &stands))
 }
 
 /// Sorts rooms by size: those with a volume first.
@@ -49,19 +60,22 @@ fn clear_places(scene: &Scene, room: u32) -> Vec<Stand> {
     stands
 }
 
-fn best_view(scene: &Scene, room: u32) -> Option<Camera> {
-    let mut best: Option<(f64, Camera)> = None;
-    for stand in clear_places(scene, room) {
-        let panorama = Panorama::new(scene, &stand, room);
+/// The best view from some place of a room.
+fn best_view(scene: &Scene, room: u32, stands: &[Stand]) -> Camera {
+    let [lo, hi] = scene.room(room).bounds().map(DVec3::from);
+    let half_far = (0.25 * (hi - lo).truncate().length()).clamp(1.5, 8.0);
+    let mut best = (f64::NEG_INFINITY, Camera::level(DVec3::ZERO, 0.0, INSIDE_FOV));
+    for stand in stands {
+        let panorama = Panorama::new(scene, stand, room);
         for direction in 0..Panorama::DIRECTIONS {
-            let score = panorama.score(direction);
-            if best.is_none_or(|(b, _)| score > b) {
+            let score = panorama.score(direction, half_far);
+            if score > best.0 {
                 let azimuth = Panorama::azimuth(direction * Panorama::STRIDE);
-                best = Some((score, Camera::level(stand.eye, azimuth, INSIDE_FOV)));
+                best = (score, Camera::level(stand.eye, azimuth, INSIDE_FOV));
             }
         }
     }
-    best.map(|(_, camera)| camera)
+    best.1
 }
 
 /// What one sees from a place, all around.
@@ -79,7 +93,7 @@ impl Panorama {
     /// Columns to each side of a direction that are in the picture: 34 degrees.
     const HALF: usize = 6;
     /// Farther is no better, metres.
-    const FAR: f64 = 20.0;
+    const FAR: f64 = 40.0;
 
     fn azimuth(column: usize) -> f64 {
         column as f64 / Panorama::COLUMNS as f64 * TAU
@@ -100,10 +114,9 @@ impl Panorama {
         Panorama { samples }
     }
 
-    /// How much of the room one sees in a direction; more is better.
-    fn score(&self, direction: usize) -> f64 {
-        /// At this distance a sight is worth half, metres.
-        const HALF_FAR: f64 = 3.0;
+    /// How much of the room one sees in a direction; more is better. At the distance `half_far` (metres) a sight is
+    /// worth half of what one at infinity is.
+    fn score(&self, direction: usize, half_far: f64) -> f64 {
         /// Nearer things stand in the way, metres.
         const NEAR: f64 = 0.8;
         /// With this many things in it a view is about two thirds as varied as can be.
@@ -115,7 +128,8 @@ impl Panorama {
         for column in columns {
             for &(t, is_same, element) in &self.samples[column * Panorama::ROWS..][..Panorama::ROWS] {
                 count += 1.0;
-                far += t / (t + HALF_FAR);
+                // The sky is no sight: it counts as if in the middle.
+                far += if element == NONE { 0.5 } else { t / (t + half_far) };
                 near += f64::from(u8::from(t < NEAR));
                 same += f64::from(u8::from(is_same));
                 elements.push(element);
@@ -124,7 +138,7 @@ impl Panorama {
         elements.sort_unstable();
         elements.dedup();
         let variety = 1.0 - (-(elements.len() as f64) / MANY).exp();
-        (far + same - 2.0 * near) / count + 0.6 * variety
+        (2.0 * far + same - 2.0 * near) / count + variety
     }
 }
 
@@ -154,51 +168,45 @@ pub fn outside_view(scene: &Scene) -> Camera {
     const TOWARD: DVec3 = DVec3::new(0.75, -1.0, 0.65);
     /// Air around the building, as share of the picture.
     const AIR: f64 = 0.04;
-    let [lo, hi] = extent(scene);
+    let (up, toward) = ([0.0, 0.0, 1.0], -TOWARD);
+    let [lo, hi] = scene.hull().map(DVec3::from);
     let middle = lo + (hi - lo) / 2.0;
-    let up = [0.0, 0.0, 1.0];
-    let far = Camera::looking(middle.to_array(), (-TOWARD).to_array(), up, OUTSIDE_FOV);
     // Only a hull whose numbers overflow makes no camera; nothing can be seen of it.
-    let Ok(camera) = far else { return Camera::level(DVec3::ZERO, 0.0, OUTSIDE_FOV) };
-    let (forward, right, above) =
-        (DVec3::from(camera.forward()), DVec3::from(camera.right()), DVec3::from(camera.up()));
+    let Ok(camera) = Camera::looking(middle.to_array(), toward.to_array(), up, OUTSIDE_FOV) else {
+        return Camera::level(DVec3::ZERO, 0.0, OUTSIDE_FOV);
+    };
+    let [forward, right, above] = [camera.forward(), camera.right(), camera.up()].map(DVec3::from);
     let half = (OUTSIDE_FOV / 2.0).to_radians().tan() * (1.0 - AIR);
 
-    // A corner at (r, u, f) is in the picture if |r| and |u| are at most half (f + distance). Each pair of opposite
-    // sides of the picture gives the narrowest wedge around all corners; the eye is where both wedges hold them.
-    let corners = (0..8).map(|i| {
-        let pick = |axis: usize| if i >> axis & 1 == 0 { lo[axis] } else { hi[axis] };
-        DVec3::new(pick(0), pick(1), pick(2)) - middle
-    });
-    let (mut plus, mut minus) = ([f64::NEG_INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for corner in corners {
-        let f = corner.dot(forward);
-        for (axis, side) in [corner.dot(right), corner.dot(above)].into_iter().enumerate() {
-            plus[axis] = plus[axis].max(side - half * f);
-            minus[axis] = minus[axis].max(-side - half * f);
+    // Seen from `middle` less `back` along the view, a point is in the picture if its offsets to the right and above
+    // are at most half (its distance along the view + back). So the points that reach farthest out at each side of
+    // the picture give the narrowest wedge around all; the eye is where both wedges, across and upward, hold them.
+    let mut reach = [[f64::NEG_INFINITY; 2]; 2];
+    for_each_corner(scene, |corner| {
+        let from = corner - middle;
+        let along = half * from.dot(forward);
+        for (reach, side) in reach.iter_mut().zip([from.dot(right), from.dot(above)]) {
+            reach[0] = reach[0].max(side - along);
+            reach[1] = reach[1].max(-side - along);
         }
-    }
-    let back = [0, 1].map(|axis| (plus[axis] + minus[axis]) / (2.0 * half));
-    let shift = [0, 1].map(|axis| (plus[axis] - minus[axis]) / 2.0);
-    let back = back[0].max(back[1]);
-    let eye = middle + right * shift[0] + above * shift[1] - forward * back;
-    Camera::looking(eye.to_array(), forward.to_array(), up, OUTSIDE_FOV).unwrap_or(camera)
+    });
+    let shift = reach.map(|[more, less]| (more - less) / 2.0);
+    let back = reach.map(|[more, less]| (more + less) / (2.0 * half));
+    let eye = middle + right * shift[0] + above * shift[1] - forward * back[0].max(back[1]);
+    Camera::looking(eye.to_array(), toward.to_array(), up, OUTSIDE_FOV).unwrap_or(camera)
 }
 
-/// The box around all triangles but those of terrain; around all if there are no others; the hull if there are none.
-fn extent(scene: &Scene) -> [DVec3; 2] {
-    let bounds = |is_wanted: &dyn Fn(Semantic) -> bool| {
-        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let wanted: Vec<bool> = scene.elements().map(|e| is_wanted(e.semantic())).collect();
-        let triangles = (0..scene.detail_triangle_count())
-            .filter(|&t| wanted[scene.tables.triangles[t as usize].element as usize]);
-        let [lo, hi] = triangles.flat_map(|t| scene.triangle(t)).fold(none, |[lo, hi], corner| {
-            let corner = DVec3::from(corner);
-            [lo.min(corner), hi.max(corner)]
-        });
-        lo.cmple(hi).all().then_some([lo, hi])
-    };
-    bounds(&|semantic| semantic != Semantic::Site)
-        .or_else(|| bounds(&|_| true))
-        .unwrap_or_else(|| scene.hull().map(DVec3::from))
+/// Calls `each` with the corners of all triangles but those of terrain; of all if there are no others; with those of
+/// the hull if there are none.
+fn for_each_corner(scene: &Scene, mut each: impl FnMut(DVec3)) {
+    let is_site: Vec<bool> = scene.elements().map(|e| e.semantic() == Semantic::Site).collect();
+    let detail = &scene.tables.triangles[..scene.detail_triangle_count() as usize];
+    let is_all_site = detail.iter().all(|t| is_site[t.element as usize]);
+    for triangle in detail.iter().filter(|t| is_all_site || !is_site[t.element as usize]) {
+        triangle.vertices.iter().for_each(|&v| each(DVec3::from(scene.tables.vertices[v as usize])));
+    }
+    if detail.is_empty() {
+        let hull = scene.hull();
+        (0..8).for_each(|i| each(DVec3::from([0, 1, 2].map(|axis| hull[i >> axis & 1][axis]))));
+    }
 }
