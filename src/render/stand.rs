@@ -77,11 +77,11 @@ impl Column<'_> {
         let floor = self.floor(probe, cell)?;
         let up = self.look(probe, cell, DVec3::Z, f64::INFINITY);
         let ceiling = (probe.z + up.t).min(hi[2]);
-        let room = ceiling - floor;
-        if !(room >= LOWEST) {
+        let headroom = ceiling - floor;
+        if headroom < LOWEST {
             return None;
         }
-        let eye = DVec3::new(x, y, floor + EYES.min(room * LOW_EYES));
+        let eye = DVec3::new(x, y, floor + EYES.min(headroom * LOW_EYES));
         let cell = self.air(eye)?;
         let clearance = self.clearance(eye, cell);
         Some(Stand { eye, cell, clearance, is_covered: up.t.is_finite() })
@@ -93,11 +93,17 @@ impl Column<'_> {
         let bottom = self.bottom(probe);
         let hit = self.look(probe, cell, -DVec3::Z, f64::INFINITY);
         let met = probe.z - hit.t;
-        let is_floor = match Semantic::from_number(hit.semantic).unwrap_or_default() {
-            Semantic::Furniture | Semantic::Equipment | Semantic::Railing | Semantic::Other => false,
-            Semantic::DoorLeaf | Semantic::WindowFrame | Semantic::Wall | Semantic::Beam => false,
-            _ => true,
-        };
+        let is_floor = !matches!(
+            Semantic::from_number(hit.semantic).unwrap_or_default(),
+            Semantic::Furniture
+                | Semantic::Equipment
+                | Semantic::Railing
+                | Semantic::DoorLeaf
+                | Semantic::WindowFrame
+                | Semantic::Wall
+                | Semantic::Beam
+                | Semantic::Other
+        );
         if met <= bottom { Some(bottom) } else { (is_floor || met <= bottom + STEP).then_some(met) }
     }
 
