@@ -7,6 +7,8 @@ pub mod compile;
 pub mod components;
 pub mod format;
 #[cfg(feature = "compile")]
+pub mod inspect;
+#[cfg(feature = "compile")]
 pub mod roles;
 pub mod scene;
 pub mod trace;
