@@ -2,6 +2,8 @@
 #![deny(unsafe_code)]
 
 #[cfg(feature = "compile")]
+pub mod bench;
+#[cfg(feature = "compile")]
 pub mod compile;
 #[cfg(feature = "compile")]
 pub mod components;
