@@ -401,6 +401,11 @@ fn doors_by_name_are_air_and_said_to_be() {
     assert_eq!(tags, [Semantic::Door, Semantic::Door, Semantic::DoorLeaf]);
     assert_eq!(model.warnings.len(), 1);
     assert!(model.warnings[0].text.starts_with("2 elements are the air of doors and windows"));
+    // In capitals it is meant.
+    let model = tagged(vec![named("DOOR_kitchen_hall"), named("hall-WINDOW.001")], &ImportOptions::default());
+    let tags: Vec<Semantic> = model.elements.iter().map(|e| e.semantic).collect();
+    assert_eq!(tags, [Semantic::Door, Semantic::Window]);
+    assert!(model.warnings.is_empty());
 }
 
 #[test]
