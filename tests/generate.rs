@@ -156,7 +156,7 @@ fn glb_holds_the_house() {
             assert!((primitive["material"].as_u64().unwrap() as usize) < glb.list("materials").len());
             let points = glb.positions(primitive["attributes"]["POSITION"].as_u64().unwrap() as usize);
             let corners = glb.indices(primitive["indices"].as_u64().unwrap() as usize);
-            assert!(corners.len() % 3 == 0 && !corners.is_empty());
+            assert!(corners.len().is_multiple_of(3) && !corners.is_empty());
             triangles.extend(corners.chunks(3).map(|t| t.iter().map(|&i| points[i]).collect::<Vec<_>>()));
         }
         assert_is_element(element, &triangles);

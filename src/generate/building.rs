@@ -168,6 +168,23 @@ impl Building {
         let opaque = |face: &&Face| !self.materials[face.material as usize].is_see_through();
         self.elements.iter().flat_map(|e| &e.faces).filter(|face| face.seen).filter(opaque).count()
     }
+
+    /// All that a file says of an element besides its mesh: [`Element::extras`], and `ifc_class`, `global_id`,
+    /// `name`, `storey`, `host_id`, `filling_id`, `opening_id` as far as it has them.
+    pub fn metadata(&self, element: &Element) -> BTreeMap<String, String> {
+        let id = |link: Option<u32>| Some(&self.elements.get(link? as usize)?.global_id);
+        let known = [
+            ("ifc_class", Some(&element.class)),
+            ("global_id", Some(&element.global_id)),
+            ("name", Some(&element.name)),
+            ("storey", element.storey.as_ref()),
+            ("host_id", id(element.host)),
+            ("filling_id", id(element.filling)),
+            ("opening_id", id(element.opening)),
+        ];
+        let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?.clone())));
+        element.extras.clone().into_iter().chain(known).collect()
+    }
 }
 
 /// The sum of the cross products around a loop: twice its area along its normal.

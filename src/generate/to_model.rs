@@ -6,7 +6,8 @@ use super::building::{Building, Element};
 use super::write_obj::y_up;
 
 impl Building {
-    /// The model that a reader makes of [`Building::to_glb`]'s bytes, but that all meanings are set by the program.
+    /// The model of the building: its elements, materials, lights and cameras in the order of
+    /// [`Building::to_glb`], all meanings set by the program, so that it needs no tagging.
     ///
     /// # Errors
     /// Over the builder's default limits.
@@ -43,7 +44,7 @@ impl Building {
     }
 
     fn new_element(&self, index: usize, element: &Element) -> NewElement {
-        let id_of = |link: Option<u32>| link.map(|i| self.elements[i as usize].global_id.clone());
+        let id_of = |link: Option<u32>| Some(self.elements.get(link? as usize)?.global_id.clone());
         NewElement {
             id: element.global_id.clone(),
             name: element.name.clone(),
@@ -56,7 +57,7 @@ impl Building {
             host: id_of(element.host),
             filling: id_of(element.filling),
             opening: id_of(element.opening),
-            extras: element.extras.clone(),
+            extras: self.metadata(element),
             ..NewElement::default()
         }
     }

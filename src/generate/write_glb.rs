@@ -150,20 +150,7 @@ impl Buffers {
 }
 
 fn element_node(building: &Building, index: usize, element: &Element) -> NodeJson {
-    let mut extras = element.extras.clone();
-    let mut set = |key: &str, value: &str| extras.insert(key.to_owned(), value.to_owned());
-    set("ifc_class", &element.class);
-    set("global_id", &element.global_id);
-    set("name", &element.name);
-    if let Some(storey) = &element.storey {
-        set("storey", storey);
-    }
-    let links = [("host_id", element.host), ("filling_id", element.filling), ("opening_id", element.opening)];
-    for (key, link) in links {
-        if let Some(other) = link.and_then(|other| building.elements.get(other as usize)) {
-            set(key, &other.global_id);
-        }
-    }
+    let extras = building.metadata(element);
     NodeJson { name: element.tagged_name(), mesh: Some(index), extras, ..NodeJson::default() }
 }
 
