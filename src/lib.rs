@@ -9,6 +9,8 @@ pub mod compile;
 pub mod components;
 pub mod format;
 #[cfg(feature = "compile")]
+pub mod generate;
+#[cfg(feature = "compile")]
 pub mod inspect;
 #[cfg(feature = "compile")]
 pub mod roles;
