@@ -1,11 +1,42 @@
-use clap::Args;
+//! `enfilade generate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use enfilade::generate::{HouseOptions, house, write};
 
 use super::failure::{Failure, Outcome};
 
-/// Stub
+/// Make a building whose truth is known.
 #[derive(Args)]
-pub struct Arguments {}
+#[command(after_help = "Examples:\n  enfilade generate house -o house.glb\n  enfilade generate house --no-furniture -o house.obj")]
+pub struct Arguments {
+    #[command(subcommand)]
+    building: Building,
+}
 
-pub fn run(_: &Arguments) -> Result<Outcome, Failure> {
-    Err(Failure::usage("not yet"))
+#[derive(Subcommand)]
+enum Building {
+    /// A one-storey house of 8 rooms, with doors, windows, lights and furniture.
+    House {
+        /// The model to write: .glb, or .obj with its .mtl.
+        #[arg(short, long, value_name = "OUT.glb|OUT.obj")]
+        output: PathBuf,
+        /// Leave furniture, sanitary ware and lamps out.
+        #[arg(long)]
+        no_furniture: bool,
+        /// Leave the garden out.
+        #[arg(long)]
+        no_site: bool,
+        /// Identities, and how far doors stand open, follow from it.
+        #[arg(long, value_name = "S", default_value_t = 0)]
+        seed: u64,
+    },
+}
+
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let Building::House { output, no_furniture, no_site, seed } = &arguments.building;
+    let building = house(&HouseOptions { furniture: !no_furniture, site: !no_site, seed: *seed });
+    write(&building, output).map_err(|e| Failure::Output(e.into()))?;
+    Ok(Outcome::Fine)
 }

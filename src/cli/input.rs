@@ -36,8 +36,8 @@ pub struct Reading {
     /// Unit of an OBJ file: m, cm, mm, ft, in, or metres in one unit.
     #[arg(long, value_name = "UNIT", value_parser = parse_unit)]
     pub unit: Option<f64>,
-    /// Which axis of an OBJ file points up.
-    #[arg(long, value_enum, value_name = "AXIS")]
+    /// Which axis of an OBJ file points up: y (default) or z.
+    #[arg(long, value_name = "AXIS", value_parser = parse_up, allow_hyphen_values = true)]
     pub up: Option<Up>,
     /// Tagging rules that go before all others (docs/TAGGING.md).
     #[arg(long, value_name = "FILE")]
@@ -50,11 +50,16 @@ pub struct Reading {
     pub tolerance: f64,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+/// What `--up` says: an axis of the model, or for `render` what is up in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Up {
-    Y,
-    Z,
+    Axis(UpAxis),
+    Vector(Point),
 }
+
+/// Three numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point(pub [f64; 3]);
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum UntaggedAs {
@@ -99,6 +104,42 @@ fn parse_size(text: &str) -> Result<u64, String> {
     } else {
         Err("must be more than 0 and at most 1e18 bytes".to_owned())
     }
+}
+
+/// `1,2,3` or `1 2 3`.
+pub fn parse_point(text: &str) -> Result<Point, String> {
+    let numbers: Result<Vec<f64>, _> =
+        text.split([',', ' ']).filter(|w| !w.is_empty()).map(str::parse::<f64>).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() => Ok(Point([x, y, z])),
+        _ => Err("not three numbers, as 1,2,3".to_owned()),
+    }
+}
+
+fn parse_up(text: &str) -> Result<Up, String> {
+    match text {
+        "y" | "Y" => Ok(Up::Axis(UpAxis::Y)),
+        "z" | "Z" => Ok(Up::Axis(UpAxis::Z)),
+        vector => parse_point(vector).map(Up::Vector).map_err(|_| "neither y nor z".to_owned()),
+    }
+}
+
+/// Joins numbers that follow `--eye`, `--target` or `--up` one by one into one value: `--eye 1 2 3` is `--eye 1,2,3`.
+pub fn join_points(arguments: impl Iterator<Item = std::ffi::OsString>) -> Vec<std::ffi::OsString> {
+    let is_number = |s: &std::ffi::OsStr| s.to_str().is_some_and(|s| s.parse::<f64>().is_ok());
+    let arguments: Vec<_> = arguments.collect();
+    let mut joined = Vec::with_capacity(arguments.len());
+    let mut i = 0;
+    while i < arguments.len() {
+        joined.push(arguments[i].clone());
+        let takes_point = ["--eye", "--target", "--up"].iter().any(|name| arguments[i] == *name);
+        i += 1;
+        if takes_point && i + 3 <= arguments.len() && arguments[i..i + 3].iter().all(|a| is_number(a)) {
+            joined.push(arguments[i..i + 3].join(std::ffi::OsStr::new(",")));
+            i += 3;
+        }
+    }
+    joined
 }
 
 fn parse_unit(text: &str) -> Result<f64, String> {
@@ -167,7 +208,10 @@ impl Reading {
     pub fn import_options(&self, resources: &Resources) -> Result<ImportOptions, Failure> {
         let mut options = ImportOptions::default();
         options.unit = self.unit;
-        options.up = self.up.map(|up| if matches!(up, Up::Y) { UpAxis::Y } else { UpAxis::Z });
+        options.up = match self.up {
+            Some(Up::Axis(axis)) => Some(axis),
+            Some(Up::Vector(_)) | None => None,
+        };
         options.limits = resources.limits();
         options.rules = self.rules.as_deref().map(Rules::load).transpose().map_err(Failure::input)?;
         options.untagged = self.untagged.untagged();
@@ -221,6 +265,18 @@ pub fn is_scene(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_are_joined() {
+        let join = |line: &str| {
+            let joined = join_points(line.split(' ').map(Into::into));
+            joined.iter().map(|s| s.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(join("render --eye 1 -2 3 a.enf --target 1,2,3 b"), "render --eye 1,-2,3 a.enf --target 1,2,3 b");
+        assert_eq!(join("render a.obj --up z -o 1"), "render a.obj --up z -o 1");
+        assert_eq!(parse_point("1, -2.5 3"), Ok(Point([1.0, -2.5, 3.0])));
+        assert!(parse_point("1,2").is_err() && parse_point("1,2,x").is_err() && parse_point("1,2,inf").is_err());
+    }
 
     #[test]
     fn sizes_and_units() {

@@ -60,7 +60,7 @@ enum Command {
 
 /// Parses the arguments, runs the command, reports a failure.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match Arguments::try_parse_from(input::join_points(std::env::args_os())) {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help and version go to stdout and are no failure; a closed pipe is none either.
