@@ -350,8 +350,8 @@ impl Guard for ObjGuard {
             b"f" | b"fo" => self.face(number, rest, budget, out)?,
             b"vt" => self.texture_coordinates += 1,
             b"vn" => self.normals += 1,
-            b"o" => self.parts.object(&text(rest), number, self.vertices),
-            b"g" => self.parts.groups(&text(rest), number, self.vertices),
+            b"o" => self.parts.object(&text(rest), number),
+            b"g" => self.parts.groups(&text(rest), number),
             b"usemtl" => self.use_material(number, &text(rest), budget)?,
             b"mtllib" => {
                 let text = text(rest);

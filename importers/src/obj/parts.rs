@@ -42,18 +42,37 @@ struct InForce {
     index: Option<usize>,
     /// Vertices read when the last thing was put under it; `None` before.
     vertices: Option<u64>,
+    /// The line that gave the same name again, if one did since.
+    again: Option<u64>,
 }
 
 impl InForce {
     fn new(text: &str, line: u64) -> InForce {
-        InForce { named: Named { text: text.to_owned(), line }, index: None, vertices: None }
+        InForce { named: Named { text: text.to_owned(), line }, index: None, vertices: None, again: None }
     }
 
-    /// Whether a line that gives the same name again goes on with the same thing. Exporters repeat the line at each
-    /// change of material; but two things of one name next to each other each have vertices of their own.
-    fn goes_on(&self, text: &str, vertices: u64) -> bool {
-        self.named.text == text
-            && (Name::of(text).id.is_some() || self.vertices.is_none_or(|then| then == vertices))
+    /// Whether a line gives the name in force again. An id says that it is the same thing; else the next face
+    /// shows it, by [`InForce::settle`].
+    fn is_again(in_force: &mut Option<InForce>, text: &str, line: u64) -> bool {
+        match in_force {
+            Some(in_force) if in_force.named.text == text => {
+                in_force.again = Some(line).filter(|_| Name::of(text).id.is_none());
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the line that gave the name again began another thing. Exporters repeat the line at each change of
+    /// material; but two things of one name next to each other each have vertices of their own.
+    fn settle(&mut self, vertices: u64) -> bool {
+        match self.again.take() {
+            Some(line) if self.vertices.is_some_and(|then| then != vertices) => {
+                *self = InForce::new(&self.named.text, line);
+                true
+            }
+            _ => false,
+        }
     }
 }
 
@@ -79,25 +98,26 @@ pub(super) struct Planned {
 }
 
 impl PartTable {
-    /// An `o` line, after `vertices` vertices.
-    pub(super) fn object(&mut self, text: &str, line: u64, vertices: u64) {
-        if self.object.as_ref().is_none_or(|o| !o.goes_on(text, vertices)) {
-            let old = self.object.replace(InForce::new(text, line));
-            self.note_unused(old);
-            // Groups end with their object, but a storey goes on until the next group line.
-            if let Some(group) = self.group.take()
-                && let (before, Some(_)) = split_storey(&group.named.text)
-            {
-                let storey = group.named.text[before.len()..].trim_start().to_owned();
-                self.group = Some(InForce::new(&storey, group.named.line));
-            }
-            self.current = None;
+    /// An `o` line.
+    pub(super) fn object(&mut self, text: &str, line: u64) {
+        if InForce::is_again(&mut self.object, text, line) {
+            return;
         }
+        let old = self.object.replace(InForce::new(text, line));
+        self.note_unused(old);
+        // Groups end with their object, but a storey goes on until the next group line.
+        if let Some(group) = self.group.take()
+            && let (before, Some(_)) = split_storey(&group.named.text)
+        {
+            let storey = group.named.text[before.len()..].trim_start();
+            self.group = Some(InForce::new(storey, group.named.line));
+        }
+        self.current = None;
     }
 
-    /// A `g` line, after `vertices` vertices.
-    pub(super) fn groups(&mut self, text: &str, line: u64, vertices: u64) {
-        if self.group.as_ref().is_none_or(|g| !g.goes_on(text, vertices)) {
+    /// A `g` line.
+    pub(super) fn groups(&mut self, text: &str, line: u64) {
+        if !InForce::is_again(&mut self.group, text, line) {
             self.group = Some(InForce::new(text, line));
             self.current = None;
         }
@@ -110,6 +130,11 @@ impl PartTable {
         vertices: u64,
         budget: &mut Budget,
     ) -> Result<usize, OverBudget> {
+        for in_force in [&mut self.object, &mut self.group].into_iter().flatten() {
+            if in_force.settle(vertices) {
+                self.current = None;
+            }
+        }
         let part = match self.current {
             Some(part) => part,
             None => {
