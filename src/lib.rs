@@ -8,6 +8,8 @@ pub mod compile;
 #[cfg(feature = "compile")]
 pub mod components;
 pub mod format;
+#[cfg(feature = "render")]
+pub mod render;
 #[cfg(feature = "compile")]
 pub mod generate;
 #[cfg(feature = "compile")]
@@ -21,4 +23,4 @@ pub mod trace;
 pub use compile::{CompileError, CompileOptions, Compiled, compile};
 pub use enfilade_importers as importers;
 pub use scene::{OpenError, Scene};
-pub use trace::{Answer, Hit, Kernel, NONE, Place, Ray, Start, Want};
+pub use trace::{Answer, Cost, Hit, Kernel, NONE, Place, Ray, Start, Want};

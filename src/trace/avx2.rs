@@ -98,7 +98,7 @@ pub(super) fn is_available() -> bool {
 
 #[target_feature(enable = "avx2")]
 fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
-    walk::<Avx2, ANY>(tables, query)
+    walk::<Avx2, ANY>(tables, query, &mut ())
 }
 
 /// The nearest hit, or with `ANY` some hit.

@@ -2,6 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
+use super::cost::Cost;
 use super::lanes::Portable;
 use super::walk::{Found, Query, Walk, walk};
 
@@ -57,9 +58,16 @@ impl Kernel {
     #[inline]
     pub(super) fn run<const ANY: bool>(self, tables: &Walk<'_>, query: &Query) -> Found {
         match self.0 {
-            Set::Portable => walk::<Portable, ANY>(tables, query),
+            Set::Portable => walk::<Portable, ANY>(tables, query, &mut ()),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::run::<ANY>(tables, query),
         }
     }
+}
+
+/// The nearest hit, and what it took to find it: on the portable kernel, whose steps are those of all.
+pub(super) fn run_counted(tables: &Walk<'_>, query: &Query) -> (Found, Cost) {
+    let mut cost = Cost::default();
+    let found = walk::<Portable, false>(tables, query, &mut cost);
+    (found, cost)
 }

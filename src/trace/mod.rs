@@ -3,6 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod batch;
+mod cost;
 mod kernel;
 mod lanes;
 mod locate;
@@ -10,6 +11,7 @@ mod ray;
 mod single;
 mod walk;
 
+pub use cost::Cost;
 pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]

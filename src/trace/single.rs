@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::kernel::Kernel;
+use super::cost::Cost;
+use super::kernel::{Kernel, run_counted};
 use super::ray::{Answer, Hit, NONE, Ray};
 use super::walk::{Found, Leave, Query, Walk};
 use crate::format::Views;
@@ -77,6 +78,21 @@ impl Scene {
         }
         let found = line.run::<false>(&self.tables, kernel, self.leave(start, &line));
         if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
+    }
+
+    /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
+    pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
+        let none = Cost::default();
+        let Some(line) = Line::new(&self.tables, ray) else { return (Hit::ESCAPED, none) };
+        if matches!(start, Start::Anywhere)
+            && let Some(element) = self.solid_around(&line)
+        {
+            return (Hit::in_solid(element, self.tables.elements[element as usize].semantic), none);
+        }
+        let query = line.query(&self.tables, self.leave(start, &line));
+        let (found, cost) = run_counted(&Walk::new(&self.tables), &query);
+        let hit = if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) };
+        (hit, cost)
     }
 
     /// Whether anything stands in the way of the ray between `tmin` and `tmax`. Stops at the first thing found.
@@ -199,17 +215,13 @@ impl Line {
 
     #[inline]
     fn run<const ANY: bool>(&self, tables: &Views, kernel: Kernel, leave: Leave) -> Found {
+        kernel.run::<ANY>(&Walk::new(tables), &self.query(tables, leave))
+    }
+
+    #[inline]
+    fn query(&self, tables: &Views, leave: Leave) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
-        let query = Query::new(
-            self.origin,
-            self.direction,
-            (self.tmin, self.tmax),
-            self.start,
-            scene.center,
-            root,
-            leave,
-        );
-        kernel.run::<ANY>(&Walk::new(tables), &query)
+        Query::new(self.origin, self.direction, (self.tmin, self.tmax), self.start, scene.center, root, leave)
     }
 }

@@ -182,9 +182,32 @@ impl Query {
     }
 }
 
+/// What is told of each step of a walk. The unit type counts nothing, and costs nothing.
+pub(super) trait Count {
+    /// A node was opened: eight boxes.
+    fn node(&mut self);
+    /// A block was opened: up to eight triangles, in f32.
+    fn block(&mut self);
+    /// A triangle was tested in f64.
+    fn test(&mut self);
+}
+
+impl Count for () {
+    #[inline(always)]
+    fn node(&mut self) {}
+    #[inline(always)]
+    fn block(&mut self) {}
+    #[inline(always)]
+    fn test(&mut self) {}
+}
+
 /// The nearest hit; with `ANY`, some hit.
 #[inline(always)]
-pub(super) fn walk<L: Lanes, const ANY: bool>(walk: &Walk<'_>, query: &Query) -> Found {
+pub(super) fn walk<L: Lanes, const ANY: bool>(
+    walk: &Walk<'_>,
+    query: &Query,
+    count: &mut impl Count,
+) -> Found {
     let mut best = Found { t: query.tmax, triangle: NONE };
     if query.root == NONE {
         return best;
@@ -199,6 +222,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(walk: &Walk<'_>, query: &Query) ->
     let mut current = query.root;
     loop {
         if current & BLOCK_BIT == 0 {
+            count.node();
             let node = &walk.nodes[current as usize];
             let mut near = first;
             let mut far = L::splat(limit);
@@ -238,11 +262,13 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(walk: &Walk<'_>, query: &Query) ->
                 continue;
             }
         } else {
+            count.block();
             let block = &walk.blocks[(current & !BLOCK_BIT) as usize];
             let mut candidates = candidates::<L>(block, query, limit, walk.slack);
             while candidates != 0 {
                 let lane = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
+                count.test();
                 if query.test(walk, block.triangle[lane], &mut best) {
                     if ANY {
                         return best;
