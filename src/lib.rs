@@ -1,7 +1,7 @@
 //! enfilade: fast, accurate ray tracing of buildings.
 #![deny(unsafe_code)]
 
-#[cfg(feature = "compile")]
+#[cfg(all(feature = "compile", feature = "render"))]
 pub mod bench;
 #[cfg(feature = "compile")]
 pub mod compile;

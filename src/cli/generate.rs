@@ -36,7 +36,10 @@ enum Building {
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let Building::House { output, no_furniture, no_site, seed } = &arguments.building;
-    let building = house(&HouseOptions { furniture: !no_furniture, site: !no_site, seed: *seed });
-    write(&building, output).map_err(|e| Failure::Output(e.into()))?;
+    let mut options = HouseOptions::default();
+    options.furniture = !no_furniture;
+    options.site = !no_site;
+    options.seed = *seed;
+    write(&house(&options), output).map_err(|e| Failure::Output(e.into()))?;
     Ok(Outcome::Fine)
 }
