@@ -19,7 +19,7 @@
 
 use std::ops::ControlFlow;
 
-use super::soup::{Best, Soup};
+use super::soup::{Best, Soup, first_t};
 use super::triangle::{Corners, Line, T_ERROR};
 use super::vector::{Bounds, cross, dot, max_abs, sub};
 use crate::trace::Ray;
@@ -134,7 +134,7 @@ impl Grid {
         let mut best = Best::NONE;
         // Triangles that span cells would be tested again in each: remember the last few.
         let mut seen = [u32::MAX; 64];
-        self.walk(line, ray.tmin, ray.tmax, |triangles, exit| {
+        self.walk(line, first_t(ray), ray.tmax, |triangles, exit| {
             for &index in triangles {
                 let slot = &mut seen[index as usize % 64];
                 if *slot != index {

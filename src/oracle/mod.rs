@@ -66,7 +66,7 @@ pub enum TrueAnswer {
     Hit(Nearest),
     /// It meets nothing between its `tmin` and its `tmax`.
     Escaped,
-    /// Its origin is inside these carving solids, in the order of the model.
+    /// It starts (at its `tmin`) inside these carving solids, in the order of the model.
     InSolid(Vec<ElementId>),
 }
 
@@ -134,7 +134,7 @@ impl Truth {
         self.soup.bounds.map(|b| [b.lo, b.hi])
     }
 
-    /// The nearest hit between the ray's `tmin` and `tmax`, by the grid, whatever the origin is inside of.
+    /// The nearest hit between the ray's `tmin` and `tmax`, by the grid, whatever the ray starts inside of.
     pub fn nearest(&self, ray: &Ray) -> Option<Nearest> {
         let line = Line::new(ray)?;
         match self.grid.nearest(&self.soup, &line, ray) {
@@ -155,10 +155,8 @@ impl Truth {
 
     /// The exact answer. What is no ray (see [`Ray::is_valid`]) meets nothing.
     pub fn answer(&self, ray: &Ray) -> TrueAnswer {
-        if !ray.is_valid() {
-            return TrueAnswer::Escaped;
-        }
-        let solids = self.solids_at(ray.origin);
+        let Some(start) = start(ray) else { return TrueAnswer::Escaped };
+        let solids = self.solids_at(start);
         if !solids.is_empty() {
             return TrueAnswer::InSolid(solids);
         }
@@ -213,6 +211,12 @@ impl Truth {
     fn model_bounds(&self) -> Bounds {
         self.soup.bounds.unwrap_or(Bounds { lo: [-1.0; 3], hi: [1.0; 3] })
     }
+}
+
+/// The point at which the ray starts: its origin, or the point at `tmin`. `None` for what is no ray.
+fn start(ray: &Ray) -> Option<[f64; 3]> {
+    let tmin = soup::first_t(ray);
+    Line::new(ray).map(|line| if tmin > 0.0 { line.at(tmin) } else { ray.origin })
 }
 
 #[cfg(test)]

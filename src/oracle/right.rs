@@ -1,15 +1,14 @@
 //! When an answer is right.
 //!
-//! The *exact answer* to a ray is what [`Truth::answer`] says: `InSolid` for an origin inside a carving solid, else
-//! the nearest hit within `tmin..=tmax`, else `Escaped`. Whether a ray starts inside a solid is asked at its origin,
-//! wherever its `tmin` is.
+//! The *exact answer* to a ray is what [`Truth::answer`] says: `InSolid` if it starts (at its `tmin`) inside a carving
+//! solid, else the nearest hit within `tmin..=tmax`, else `Escaped`.
 //!
 //! An answer to a ray is **right** if it is the exact answer to some parallel ray, the *witness*, that is at most the
 //! tolerance away. In full, for a ray with origin `o`, unit direction `d` and its `tmin`, `tmax`: there is a shift
 //! `w` across the ray and a shift `s` along it, such that for the ray from `o + w + s d` with the same direction,
 //! `tmin` and `tmax`
 //!
-//! - the origin is inside no carving solid,
+//! - the start is inside no carving solid,
 //! - *for an answer `Hit` on element `e` at `t`*: the exact hit is at the point `o + w + (t + r) d`. Element `e` is
 //!   the one that is hit there, or is hit at most the tolerance behind it (*flush* surfaces count as equal; `r` is
 //!   then measured to the surface of `e`, and the nearest one must be within the tolerance of `t` too);
@@ -17,16 +16,17 @@
 //!
 //! and the displacement `sqrt(|w|^2 + max(|s|, |r|)^2)` is at most the tolerance: both the start and the hit point
 //! move by no more than that. With `s = r` this is a witness whose `t` is the answer's. That the two may differ
-//! serves origins within the tolerance of a surface: they count as on the air side that the direction enters, while
+//! serves rays that start within the tolerance of a surface: they count as on the air side that the direction enters, while
 //! `t` goes on counting from the ray's own origin.
 //!
-//! An answer `InSolid` is right if the origin, or a point within the tolerance of it, is inside that solid.
+//! An answer `InSolid` is right if the start, or a point within the tolerance of it, is inside that solid.
 //!
 //! A right answer other than an exact one is only ever granted with a witness that was traced, so no wrong answer is
 //! called right. The search finds a witness beside every edge, and around every corner and crossing of edges, as
 //! seen along the ray: one for each set of parallel rays that meet the same surfaces in the same order, down to sets
 //! narrower than some nanometres. Of hundreds of edges within the tolerance of one ray it tries the nearest 64.
 
+use super::soup::first_t;
 use super::witness::{Search, Sought, inside_near};
 use super::{TrueAnswer, Truth};
 use crate::trace::{Answer, Hit, Ray};
@@ -59,7 +59,7 @@ pub enum Verdict {
     },
     /// Both say that the ray starts inside this solid.
     InSolidAgreed,
-    /// They disagree about a solid whose surface is within the tolerance of the origin.
+    /// They disagree about a solid whose surface is within the tolerance of the start.
     InSolidEdge {
         /// The smallest displacement that was found, metres.
         delta: f64,
@@ -86,9 +86,9 @@ pub enum Why {
     TooEarly,
     /// The right distance, but another element.
     OtherElement,
-    /// In a solid, but the origin is not inside that solid.
+    /// In a solid, but the ray does not start inside that solid.
     NotInSolid,
-    /// A hit or an escape, but the origin is inside a solid.
+    /// A hit or an escape, but the ray starts inside a solid.
     StartsInSolid,
     /// A hit before `tmin`, after `tmax`, or of what is no ray.
     OutsideSegment,
@@ -151,7 +151,7 @@ impl Truth {
         if agreed {
             return Verdict::InSolidAgreed;
         }
-        match ray.is_valid().then(|| inside_near(self, ray.origin, element)).flatten() {
+        match inside_near(self, ray, element) {
             Some(delta) => Verdict::InSolidEdge { delta },
             None => Verdict::Wrong { why: Why::NotInSolid },
         }
@@ -161,7 +161,7 @@ impl Truth {
         let (t, element) = (hit.t, ElementId(hit.element));
         let rounding = EXACT * (1.0 + t.abs());
         // Written so that a NaN is outside.
-        let in_segment = t >= ray.tmin - rounding && t <= ray.tmax + rounding && t.is_finite();
+        let in_segment = t >= first_t(ray) - rounding && t <= ray.tmax + rounding && t.is_finite();
         if !ray.is_valid() || !in_segment {
             return Verdict::Wrong { why: Why::OutsideSegment };
         }

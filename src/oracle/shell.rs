@@ -1,6 +1,7 @@
 //! The closed shells of a mesh, and what lies inside them.
 //!
-//! A *shell* is a connected component (over shared vertices) in which every edge has an even number of triangles. It
+//! A *shell* is a connected component (over shared vertices) in which every edge has an even number of triangles,
+//! where triangles on the same corners and of the same side count once. It
 //! is *balanced* if every edge is passed as often one way as the other: then it has a whole winding number
 //! everywhere, found by adding up the solid angles of its triangles (Van Oosterom and Strackee, 1983). Other shells
 //! have an inside by parity only: how often a line from the point to infinity pierces them, by the majority of three
@@ -10,7 +11,7 @@
 //! parity of all others together is not zero. So a shell that is inside out, as a whole, makes no difference; an
 //! inverted shell within another is a cavity, and doubled shells are as solid as single ones.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use enfilade_importers::Mesh;
 
@@ -202,9 +203,13 @@ fn closed_components(mesh: &Mesh) -> Vec<Shell> {
 
 /// The component as a shell, if it is closed.
 fn shell(mesh: &Mesh, triangles: &[[u32; 3]], part: &[usize]) -> Option<Shell> {
+    // Doubled triangles count once: they are a slip of the modeller's, and no hole.
+    let mut known = HashSet::new();
+    let part: Vec<usize> =
+        part.iter().copied().filter(|&index| known.insert(rotated(triangles[index]))).collect();
     // Each edge once for each triangle: its ends in order, and which way it is passed.
     let mut edges: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * part.len());
-    for &index in part {
+    for &index in &part {
         let t = triangles[index];
         for i in 0..3 {
             let (a, b) = (t[i], t[(i + 1) % 3]);
@@ -222,6 +227,12 @@ fn shell(mesh: &Mesh, triangles: &[[u32; 3]], part: &[usize]) -> Option<Shell> {
     let triangles: Vec<Corners> = part.iter().map(|&index| mesh.corners(index)).collect();
     let bounds = triangles.iter().fold(Bounds::EMPTY, |bounds, t| bounds.union(Bounds::of(t)));
     Some(Shell { triangles, bounds, balanced })
+}
+
+/// The same turn of corners, with the lowest first.
+fn rotated(t: [u32; 3]) -> [u32; 3] {
+    let lowest = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
+    [t[lowest], t[(lowest + 1) % 3], t[(lowest + 2) % 3]]
 }
 
 fn root(parent: &mut [u32], of: u32) -> u32 {
@@ -291,8 +302,10 @@ mod tests {
         let both = body(open.and(Shape::cuboid([5.0; 3], [6.0; 3]))).unwrap();
         assert!(both.contains([5.5; 3]) && !both.contains(MIDDLE));
         let mut doubled = unit();
-        doubled.0.push(doubled.0[0]);
-        assert!(body(doubled).is_none(), "one triangle twice: its edges have three");
+        let [a, b, c] = doubled.0[0];
+        doubled.0.push([b, c, a]);
+        let doubled = body(doubled).unwrap();
+        assert!(doubled.contains(MIDDLE) && doubled.shells[0].winding(MIDDLE) == 1, "one triangle twice");
         let mut membrane = unit();
         membrane.0.push(membrane.0[0]);
         membrane.0.push(membrane.0[0]);

@@ -78,7 +78,7 @@ impl Soup {
 
     /// [`Soup::pierce`], within the ray's own `tmin` and `tmax`.
     pub(crate) fn hit(&self, line: &Line, ray: &Ray, index: u32) -> Option<f64> {
-        self.pierce(line, index).filter(|t| (ray.tmin..=ray.tmax).contains(t))
+        self.pierce(line, index).filter(|t| (first_t(ray)..=ray.tmax).contains(t))
     }
 
     pub(crate) fn element(&self, index: u32) -> ElementId {
@@ -91,6 +91,11 @@ impl Soup {
             Nearest { t: best.t, element, triangle: best.index - self.first[element.0 as usize] }
         })
     }
+}
+
+/// The least `t` that counts.
+pub(crate) fn first_t(ray: &Ray) -> f64 {
+    ray.tmin.max(0.0)
 }
 
 /// Whether rays see an element of this role.

@@ -6,9 +6,10 @@
 use enfilade_importers::ElementId;
 
 use super::arrangement::{Arrangement, Point};
+use super::soup::first_t;
 use super::triangle::{Line, closest_point};
 use super::vector::{add, basis, cross, distance, dot, length, max_abs, scale, sub, unit};
-use super::{TrueAnswer, Truth};
+use super::{TrueAnswer, Truth, start};
 use crate::trace::Ray;
 
 /// Points tried for an answer `InSolid`.
@@ -31,16 +32,17 @@ pub(crate) struct Search<'a> {
     across: [[f64; 3]; 2],
     /// How far beside an edge a witness passes.
     step: f64,
-    /// Whether the surface of a carving solid is near the origin, so that a shift may matter to what the ray starts in.
+    /// Whether the surface of a carving solid is near the start, so that a shift may matter to what the ray starts in.
     solid_near: bool,
     in_solid: bool,
 }
 
-/// The displacement of the nearest point found inside `element` around `origin`; `None` if there is none within the
-/// tolerance.
-pub(crate) fn inside_near(truth: &Truth, origin: [f64; 3], element: ElementId) -> Option<f64> {
+/// The displacement of the nearest point found inside `element` around the start of `ray`; `None` if there is none
+/// within the tolerance.
+pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Option<f64> {
     let index = truth.solids.binary_search_by_key(&element, |solid| solid.0).ok()?;
     let body = &truth.solids[index].1;
+    let origin = start(ray)?;
     let step = step_at(max_abs(origin));
     let mut shifts = Vec::new();
     for (q, normal) in body.surface_near(origin, truth.tolerance) {
@@ -75,8 +77,9 @@ impl<'a> Search<'a> {
             Sought::Hit { t, .. } => max_abs(line.at(t)),
             Sought::Escaped => 0.0,
         };
+        let begin = start(ray)?;
         let solid_near =
-            truth.solids.iter().any(|(_, body)| !body.surface_near(ray.origin, truth.tolerance).is_empty());
+            truth.solids.iter().any(|(_, body)| !body.surface_near(begin, truth.tolerance).is_empty());
         Some(Search {
             truth,
             ray,
@@ -109,7 +112,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether what any witness needs is missing: a surface of the element near the answer's point, and a way out
-    /// of the solids around the origin.
+    /// of the solids around the start.
     fn is_hopeless(&self) -> bool {
         if self.in_solid && !self.solid_near {
             return true;
@@ -132,10 +135,9 @@ impl<'a> Search<'a> {
         distance(closest_point(corners, p), p) <= self.truth.tolerance * (1.0 + 1e-6) + self.step
     }
 
-    /// Where the ray may start and end: the origin, `tmin`, `tmax`.
+    /// Where the ray starts and ends.
     fn levels(&self) -> Vec<f64> {
-        let mut levels = vec![0.0, self.ray.tmin, self.ray.tmax];
-        levels.dedup();
+        let mut levels = vec![first_t(self.ray), self.ray.tmax];
         levels.retain(|level| level.is_finite());
         levels
     }
@@ -143,7 +145,7 @@ impl<'a> Search<'a> {
     /// The triangles near the line, as far as they matter, and those of the levels that have some near them.
     fn surroundings(&self) -> (Vec<u32>, Vec<f64>) {
         let tolerance = self.truth.tolerance;
-        let from = self.ray.tmin.min(0.0) - tolerance;
+        let from = first_t(self.ray) - tolerance;
         let to = match self.sought {
             Sought::Hit { t, .. } => t + tolerance,
             Sought::Escaped => self.ray.tmax + tolerance,
@@ -228,7 +230,7 @@ impl<'a> Search<'a> {
     fn answers(&self, ray: &Ray, s: f64) -> Option<f64> {
         let tolerance = self.truth.tolerance;
         let starts_inside =
-            if self.solid_near { !self.truth.solids_at(ray.origin).is_empty() } else { self.in_solid };
+            if self.solid_near { !self.truth.solids_at(start(ray)?).is_empty() } else { self.in_solid };
         if starts_inside {
             return None;
         }
