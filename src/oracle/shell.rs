@@ -307,9 +307,8 @@ mod tests {
         let doubled = body(doubled).unwrap();
         assert!(doubled.contains(MIDDLE) && doubled.shells[0].winding(MIDDLE) == 1, "one triangle twice");
         let mut membrane = unit();
-        membrane.0.push(membrane.0[0]);
-        membrane.0.push(membrane.0[0]);
-        membrane.0.last_mut().unwrap().swap(0, 1);
+        let across = [[0.0; 3], [1.0; 3], [1.0, 0.0, 0.0]];
+        membrane.0.extend([across, [across[1], across[0], across[2]]]);
         assert!(body(membrane).unwrap().contains(MIDDLE));
     }
 

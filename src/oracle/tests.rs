@@ -358,7 +358,10 @@ fn detail_and_open_meshes_do_not_carve() {
 
 #[test]
 fn segments_end_where_they_should() {
-    let truth = truth(&[wall([1.0, 0.0, 0.0], [2.0, 1.0, 1.0])]);
+    // Furniture does not carve, so that segments may start within.
+    let shape = Shape::cuboid([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]);
+    let solid = truth(&[(Semantic::Wall, shape.clone())]);
+    let truth = truth(&[(Semantic::Furniture, shape)]);
     let judge = |tmin: f64, tmax: f64, answer: Answer| {
         truth.judge(&Ray::segment([0.0, 0.4, 0.6], [2.0, 0.0, 0.0], tmin, tmax), &answer).verdict
     };
@@ -372,4 +375,12 @@ fn segments_end_where_they_should() {
     assert!(matches!(judge(0.9995, 9.0, hit(2.0, 0)), Verdict::Edge { delta } if delta < 0.501e-3));
     assert!(!judge(0.0, 1.0015, Answer::Escaped).is_right());
     assert!(!judge(0.9985, 9.0, hit(2.0, 0)).is_right());
+
+    // In a solid it matters where a segment starts, not where its origin is.
+    let inside = Ray::segment([0.0, 0.4, 0.6], [2.0, 0.0, 0.0], 1.5, 9.0);
+    assert_eq!(solid.judge(&inside, &Answer::InSolid(0)).verdict, Verdict::InSolidAgreed);
+    assert_eq!(solid.judge(&inside, &hit(2.0, 0)).verdict, wrong(Why::StartsInSolid));
+    let out = Ray::segment([1.5, 0.4, 0.6], [2.0, 0.0, 0.0], 0.75, 9.0);
+    assert_eq!(solid.judge(&out, &Answer::Escaped).verdict, Verdict::Exact);
+    assert_eq!(solid.judge(&out, &Answer::InSolid(0)).verdict, wrong(Why::NotInSolid));
 }
