@@ -77,14 +77,18 @@ pub struct SpeedReport {
 ///
 /// With the feature `rayon` each frame is shared among the threads of the current pool.
 pub fn speed(scene: &Arc<Scene>, views: &[Camera], options: &SpeedOptions) -> SpeedReport {
-    let tracers: Vec<Tracer> = options.kernels.iter().filter_map(|name| Tracer::by_name(name, scene)).collect();
+    let tracers: Vec<Tracer> =
+        options.kernels.iter().filter_map(|name| Tracer::by_name(name, scene)).collect();
     let (width, height) = options.size;
     let frames: Vec<Vec<Ray>> = views
         .iter()
         .filter(|camera| matches!(scene.locate(camera.eye()), Place::Air { .. } | Place::Outside))
         .map(|camera| {
             let pinhole = camera.pinhole(width, height);
-            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pinhole.ray(x, y)).collect()
+            (0..height)
+                .flat_map(|y| (0..width).map(move |x| (x, y)))
+                .map(|(x, y)| pinhole.ray(x, y))
+                .collect()
         })
         .collect();
     let random = vec![random_rays(scene, options.random_rays, options.seed)];
@@ -149,7 +153,9 @@ pub(super) fn trace(tracer: &Tracer, rays: &[Ray], hits: &mut [Hit]) {
     if rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
         const CHUNK: usize = 4096;
-        rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| tracer.trace(rays, hits));
+        rays.par_chunks(CHUNK)
+            .zip(hits.par_chunks_mut(CHUNK))
+            .for_each(|(rays, hits)| tracer.trace(rays, hits));
         return;
     }
     tracer.trace(rays, hits);

@@ -81,8 +81,12 @@ impl Tracer {
             let params = BvhBuildParams::medium_build();
             let mut time = std::time::Duration::default();
             match name {
-                "obvhs-bvh2" => Way::Bvh2(build_bvh2_from_tris(&rounded.triangles, params, &mut time), rounded),
-                "obvhs-cwbvh" => Way::CwBvh(build_cwbvh_from_tris(&rounded.triangles, params, &mut time), rounded),
+                "obvhs-bvh2" => {
+                    Way::Bvh2(build_bvh2_from_tris(&rounded.triangles, params, &mut time), rounded)
+                }
+                "obvhs-cwbvh" => {
+                    Way::CwBvh(build_cwbvh_from_tris(&rounded.triangles, params, &mut time), rounded)
+                }
                 _ => return None,
             }
         };

@@ -87,7 +87,9 @@ impl Common {
     fn kernels(&self) -> Result<Vec<String>, Failure> {
         let known = names();
         match self.kernels.iter().find(|k| !known.contains(k)) {
-            Some(unknown) => Err(Failure::usage(format!("no way '{unknown}' on this machine; there are {known:?}"))),
+            Some(unknown) => {
+                Err(Failure::usage(format!("no way '{unknown}' on this machine; there are {known:?}")))
+            }
             None if self.kernels.is_empty() => Ok(known),
             None => Ok(self.kernels.clone()),
         }
@@ -194,7 +196,14 @@ fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
             let _ = writeln!(
                 out,
                 "{:<18} {:>10.1} {:>9} {:>9.2} {:>9} {:>12.3e} {:>12.3e} {:>12.3e}",
-                r.kernel, r.ns_per_ray, r.wrong, r.wrong_ppm, r.edges, r.largest_forward, r.rms_forward, r.largest_backward
+                r.kernel,
+                r.ns_per_ray,
+                r.wrong,
+                r.wrong_ppm,
+                r.edges,
+                r.largest_forward,
+                r.rms_forward,
+                r.largest_backward
             );
         }
         output::print(&out)

@@ -9,7 +9,9 @@ use super::failure::{Failure, Outcome};
 
 /// Make a building whose truth is known.
 #[derive(Args)]
-#[command(after_help = "Examples:\n  enfilade generate house -o house.glb\n  enfilade generate house --no-furniture -o house.obj")]
+#[command(
+    after_help = "Examples:\n  enfilade generate house -o house.glb\n  enfilade generate house --no-furniture -o house.obj"
+)]
 pub struct Arguments {
     #[command(subcommand)]
     building: Building,

@@ -272,10 +272,15 @@ mod tests {
             let joined = join_points(line.split(' ').map(Into::into));
             joined.iter().map(|s| s.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
         };
-        assert_eq!(join("render --eye 1 -2 3 a.enf --target 1,2,3 b"), "render --eye 1,-2,3 a.enf --target 1,2,3 b");
+        assert_eq!(
+            join("render --eye 1 -2 3 a.enf --target 1,2,3 b"),
+            "render --eye 1,-2,3 a.enf --target 1,2,3 b"
+        );
         assert_eq!(join("render a.obj --up z -o 1"), "render a.obj --up z -o 1");
         assert_eq!(parse_point("1, -2.5 3"), Ok(Point([1.0, -2.5, 3.0])));
-        assert!(parse_point("1,2").is_err() && parse_point("1,2,x").is_err() && parse_point("1,2,inf").is_err());
+        assert!(
+            parse_point("1,2").is_err() && parse_point("1,2,x").is_err() && parse_point("1,2,inf").is_err()
+        );
     }
 
     #[test]

@@ -7,8 +7,8 @@ use clap::Args;
 use enfilade::Scene;
 use enfilade::importers::Frame;
 use enfilade::render::{
-    Camera, ColorMode, Picture, RenderOptions, auto_view, numbered, outside_view, parse_cameras, render, room_views,
-    write_exr, write_png,
+    Camera, ColorMode, Picture, RenderOptions, auto_view, numbered, outside_view, parse_cameras, render,
+    room_views, write_exr, write_png,
 };
 use serde::Serialize;
 
@@ -100,7 +100,8 @@ struct Shot {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let exr = match arguments.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
+    let exr = match arguments.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref()
+    {
         Some("png") => false,
         Some("exr") => true,
         _ => return Err(Failure::usage(format!("{}: neither .png nor .exr", arguments.output.display()))),
@@ -149,7 +150,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 fn warn_in_solid(arguments: &Arguments, scene: &Scene, picture: &Picture, path: &Path) {
     if let Some(element) = picture.in_solid() {
         let id = scene.element(element).id();
-        arguments.resources.warn(&[format!("{}: the camera is inside the solid element {id}", path.display())]);
+        arguments
+            .resources
+            .warn(&[format!("{}: the camera is inside the solid element {id}", path.display())]);
     }
 }
 
