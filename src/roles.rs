@@ -1,6 +1,6 @@
 //! What each component of each element does to the space: label air, carve it, stay as detail, or be left out.
 
-use enfilade_importers::{Element, Role, Semantic, Untagged};
+use enfilade_importers::{Element, Model, Role, Semantic, Untagged};
 
 use crate::components::Component;
 
@@ -26,4 +26,9 @@ pub fn component_role(asked: Option<Role>, component: &Component) -> Role {
         }
         Some(role) => role,
     }
+}
+
+/// The role of every element for the truth of rays, which looks at components itself: what no tag names may carve.
+pub fn roles(model: &Model, untagged: Untagged) -> Vec<Role> {
+    model.elements.iter().map(|element| asked_role(element, untagged).unwrap_or(Role::Solid)).collect()
 }

@@ -17,10 +17,14 @@
 
 mod builder;
 mod error;
+#[cfg(feature = "obj")]
+mod folder;
 mod frame;
 mod limits;
 mod model;
 mod semantic;
+#[cfg(feature = "obj")]
+mod texture;
 mod watch;
 
 #[cfg(feature = "gltf")]

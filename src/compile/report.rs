@@ -180,11 +180,7 @@ pub(super) fn make(
             largest_displacement: 0.0,
         }],
         hierarchy_depth: depth,
-        warnings: model
-            .warnings
-            .iter()
-            .map(|w| if w.place.is_empty() { w.text.clone() } else { format!("{}: {}", w.place, w.text) })
-            .collect(),
+        warnings: crate::inspect::warnings(model),
         stages: Vec::new(),
         bytes: 0,
         peak_budget_bytes: 0,

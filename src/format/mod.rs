@@ -1,11 +1,13 @@
 //! `.enf`, the file of a compiled scene: written at once, opened by memory map or from bytes, checked, not copied.
 //! `docs/FORMAT.md` specifies it.
 
+mod atomic;
 mod container;
 pub mod records;
 mod storage;
 mod tables;
 
+pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
 pub(crate) use storage::Storage;
 pub use tables::Tables;

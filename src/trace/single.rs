@@ -65,13 +65,18 @@ impl Scene {
 
     /// What the ray meets first, as a record, from a start that the caller knows.
     pub fn trace_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        self.trace_with(self.kernel, start, ray, want)
+    }
+
+    /// [`Scene::trace_from`] on a kernel of choice.
+    pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
         let Some(line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
         if matches!(start, Start::Anywhere)
             && let Some(element) = self.solid_around(&line)
         {
             return Hit::in_solid(element, self.tables.elements[element as usize].semantic);
         }
-        let found = line.run::<false>(&self.tables, self.kernel, self.leave(start, &line));
+        let found = line.run::<false>(&self.tables, kernel, self.leave(start, &line));
         if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
     }
 
@@ -152,7 +157,20 @@ impl Scene {
     }
 }
 
-/// The part of a ray within the hull.
+/// The vector at unit length, whatever its length was; `None` if that cannot be.
+#[inline]
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let squared = vector.length_squared();
+    let unit = if squared > 1e-200 && squared < 1e200 {
+        vector / squared.sqrt()
+    } else {
+        // The square of a very long or very short vector is no number: scaled first.
+        (vector / vector.abs().max_element()).normalize()
+    };
+    unit.is_finite().then_some(unit)
+}
+
+/// A ray that meets the hull.
 struct Line {
     origin: DVec3,
     direction: DVec3,
@@ -169,32 +187,30 @@ impl Line {
         if !ray.is_valid() {
             return None;
         }
-        let mut direction = DVec3::from(ray.direction);
-        // Scaled first: the square of a very long or very short vector is no number.
-        direction /= direction.abs().max_element();
-        direction = direction.normalize();
-        if !direction.is_finite() {
-            return None;
-        }
+        let direction = unit(DVec3::from(ray.direction))?;
         let origin = DVec3::from(ray.origin);
         let scene = &tables.scene[0];
+        let (lo, hi) = (DVec3::from(scene.hull[0]), DVec3::from(scene.hull[1]));
         let tmin = ray.tmin.max(0.0);
+        let line = Line { origin, direction, tmin, tmax: ray.tmax, start: tmin };
+        if tmin == 0.0 && origin.cmpge(lo).all() && origin.cmple(hi).all() {
+            return Some(line);
+        }
         let (mut enter, mut leave) = (tmin, ray.tmax);
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            let (lo, hi) = (scene.hull[0][axis], scene.hull[1][axis]);
             if d == 0.0 {
-                if o < lo || o > hi {
+                if o < lo[axis] || o > hi[axis] {
                     return None;
                 }
                 continue;
             }
-            let (a, b) = ((lo - o) / d, (hi - o) / d);
+            let (a, b) = ((lo[axis] - o) / d, (hi[axis] - o) / d);
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
         // The hull has a margin around all triangles, so that rounding here loses none of them.
-        (enter <= leave).then_some(Line { origin, direction, tmin, tmax: ray.tmax.min(leave), start: enter })
+        (enter <= leave).then_some(Line { start: enter, ..line })
     }
 
     #[inline]

@@ -135,7 +135,11 @@ impl<'m> Tagger<'m, '_> {
             }
         }
         if let Some(semantic) = self.kin.semantic_in_names(element) {
-            if matches!(semantic, Semantic::Door | Semantic::Window) {
+            // In capitals it is a tag, and meant; `Door.001` may well be a leaf.
+            let is_meant = std::iter::once(&element.source_name)
+                .chain(&element.other_names)
+                .any(|name| name.contains(semantic.name()));
+            if matches!(semantic, Semantic::Door | Semantic::Window) && !is_meant {
                 self.notes.named_as_air.add(element, semantic.name());
             }
             return found(semantic, TagSource::Name);
@@ -229,7 +233,7 @@ fn report_untagged(model: &mut Model, untagged: Untagged) -> Result<(), ImportEr
     let text = format!("{} without a tag ({})", elements(count as u64), examples.join(", "));
     let becomes = match untagged {
         Untagged::Error => {
-            let name = first.source_name.clone();
+            let name = shown_name(first);
             return Err(ImportError::new(model.source.clone(), ImportErrorKind::Untagged(text))
                 .at(place)
                 .of_element(name));
@@ -247,13 +251,13 @@ fn elements(count: u64) -> String {
 }
 
 /// The name by which a user finds the element.
-fn shown_name(element: &Element) -> &str {
-    if element.source_name.is_empty() { &element.id } else { &element.source_name }
+fn shown_name(element: &Element) -> String {
+    shortened(if element.source_name.is_empty() { &element.id } else { &element.source_name })
 }
 
 /// The beginning of a text that the source made.
 fn shortened(text: &str) -> String {
-    const LONGEST: usize = 60;
+    const LONGEST: usize = 80;
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.to_owned(),
