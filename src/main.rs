@@ -1,4 +1,8 @@
-//! The enfilade command.
+//! The command `enfilade`: a thin layer over the library.
 #![forbid(unsafe_code)]
 
-fn main() {}
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

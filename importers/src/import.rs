@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{ImportError, ImportErrorKind};
 use crate::frame::UpAxis;
 use crate::limits::Limits;
-#[cfg(feature = "rules")]
+#[cfg(all(feature = "rules", feature = "gltf", feature = "obj"))]
 use crate::model::Model;
 use crate::semantic::Untagged;
 use crate::watch::Watch;

@@ -197,7 +197,8 @@ impl FromStr for Semantic {
     type Err = UnknownWord;
 
     /// Any case; `-` and blanks count as `_`. `VOID` and `UNKNOWN` are no tags. A few everyday words are taken for
-    /// the meaning they plainly name: `SLAB` and `FLOOR` for `GROUND`, `IGNORE` for `ANNOTATION`.
+    /// the meaning they plainly name: `SLAB` and `FLOOR` for `GROUND`, `IGNORE` for `ANNOTATION`...
+    /// (`docs/TAGGING.md` has them all).
     fn from_str(word: &str) -> Result<Semantic, UnknownWord> {
         let upper: String = word
             .trim()
@@ -205,11 +206,14 @@ impl FromStr for Semantic {
             .map(|c| if c == '-' || c == ' ' { '_' } else { c.to_ascii_uppercase() })
             .collect();
         let upper = match upper.as_str() {
-            "SLAB" | "FLOOR" | "FOOTING" => "GROUND",
+            "SLAB" | "FLOOR" | "FOOTING" | "FOUNDATION" => "GROUND",
+            "DOORWAY" => "DOOR",
+            "PILLAR" => "COLUMN",
+            "HANDRAIL" | "GUARDRAIL" => "RAILING",
             "IGNORE" | "GRID" => "ANNOTATION",
             "OUTSIDE" => "EXTERIOR",
             "TERRAIN" => "SITE",
-            "STAIRS" | "RAMP" => "STAIR",
+            "STAIRS" | "STAIRCASE" | "RAMP" => "STAIR",
             other => other,
         };
         TABLE

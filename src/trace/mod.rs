@@ -1,5 +1,20 @@
-//! Rays through a scene.
+//! Rays through a scene: where a point lies, what a ray meets, whether one point sees another.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod batch;
+mod cost;
+mod kernel;
+mod lanes;
+mod locate;
 mod ray;
+mod single;
+mod walk;
 
+pub use cost::Cost;
+pub use kernel::Kernel;
+pub use locate::Place;
+#[cfg(feature = "compile")]
+pub(crate) use locate::{crossings, height};
 pub use ray::{Answer, Hit, NONE, Ray};
+pub use single::{Start, Want};

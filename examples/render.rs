@@ -1,0 +1,67 @@
+//! Convert and render: reads a model (.glb, .gltf, .obj), compiles it, and writes pictures of it.
+//!
+//!     cargo run --release --example render -- house.glb house.png
+//!     cargo run --release --example render -- house.glb house.exr --outside --color semantic --size 800x600
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use enfilade::importers::{ImportOptions, import};
+use enfilade::render::{ColorMode, RenderOptions, auto_view, outside_view, render, write_exr, write_png};
+use enfilade::{CompileOptions, compile};
+
+struct Arguments {
+    model: PathBuf,
+    picture: PathBuf,
+    is_outside: bool,
+    color: ColorMode,
+    size: (u32, u32),
+}
+
+const USAGE: &str = "usage: render MODEL PICTURE.png|.exr [--outside] [--color MODE] [--size WxH]";
+
+fn arguments() -> Result<Arguments, Box<dyn Error>> {
+    let (mut files, mut is_outside, mut color, mut size) =
+        (Vec::new(), false, ColorMode::Material, (1024, 1024));
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--outside" => is_outside = true,
+            "--color" => color = words.next().ok_or(USAGE)?.parse()?,
+            "--size" => {
+                let text = words.next().ok_or(USAGE)?;
+                let (width, height) = text.split_once('x').ok_or(USAGE)?;
+                size = (width.parse()?, height.parse()?);
+            }
+            _ => files.push(PathBuf::from(word)),
+        }
+    }
+    let [model, picture] = <[PathBuf; 2]>::try_from(files).map_err(|_| USAGE)?;
+    Ok(Arguments { model, picture, is_outside, color, size })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = arguments()?;
+    // Files in, building out.
+    let model = import(&arguments.model, &ImportOptions::default())?;
+    let scene = compile(&model, &CompileOptions::default())?.scene();
+
+    // From where? Inside the largest room, or outside.
+    let camera = if arguments.is_outside { outside_view(&scene) } else { auto_view(&scene) };
+
+    let (width, height) = arguments.size;
+    let mut options = RenderOptions::new(width, height, arguments.color);
+    options.frame = scene.frame();
+    let picture = render(&scene, &camera, &options)?;
+    if let Some(element) = picture.in_solid() {
+        eprintln!("the camera is inside {}", scene.element(element).id());
+    }
+
+    let path: &Path = &arguments.picture;
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        write_exr(&picture, path, &scene.frame())?;
+    } else {
+        write_png(&picture, path)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,9 @@
+//! Measuring: how fast, and how right.
+
+mod error;
+mod speed;
+mod tracers;
+
+pub use error::{ErrorOptions, ErrorReport, ErrorRow, OtherModel, error};
+pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
+pub use tracers::{Tracer, names};

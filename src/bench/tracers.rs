@@ -1,0 +1,137 @@
+//! Ways to answer single rays, side by side: enfilade's kernels, and the library that builds the hierarchy of boxes,
+//! by itself, on the same triangles.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::ray::{Ray as SingleRay, RayHit};
+use obvhs::triangle::Triangle;
+
+use crate::scene::Scene;
+use crate::trace::{Hit, Kernel, NONE, Ray, Start, Want};
+
+/// A way to answer rays that start in the air.
+pub struct Tracer {
+    name: String,
+    way: Way,
+}
+
+enum Way {
+    Kernel(Kernel, Arc<Scene>),
+    Bvh2(Bvh2, Rounded),
+    CwBvh(CwBvh, Rounded),
+}
+
+/// The scene's triangles in f32, relative to the middle of the hull.
+struct Rounded {
+    scene: Arc<Scene>,
+    center: DVec3,
+    triangles: Vec<Triangle>,
+}
+
+impl Rounded {
+    fn new(scene: &Arc<Scene>) -> Rounded {
+        let center = DVec3::from(scene.tables.scene[0].center);
+        let triangles = (0..scene.detail_triangle_count()).map(|t| {
+            let [v0, v1, v2] = scene.triangle(t).map(|p| (DVec3::from(p) - center).as_vec3a());
+            Triangle { v0, v1, v2 }
+        });
+        Rounded { scene: Arc::clone(scene), center, triangles: triangles.collect() }
+    }
+
+    #[inline]
+    fn ray(&self, ray: &Ray) -> SingleRay {
+        let origin = (DVec3::from(ray.origin) - self.center).as_vec3a();
+        let direction = DVec3::from(ray.direction).normalize().as_vec3a();
+        SingleRay::new(origin, direction, ray.tmin as f32, ray.tmax.min(f64::from(f32::MAX)) as f32)
+    }
+
+    /// The hit as a record, as far as the crate gives it.
+    #[inline]
+    fn record(&self, hit: RayHit, is_hit: bool) -> Hit {
+        if !is_hit {
+            return Hit::ESCAPED;
+        }
+        let element = self.scene.tables.triangles[hit.primitive_id as usize].element;
+        Hit { t: f64::from(hit.t), element, triangle: hit.primitive_id, ..Hit::ESCAPED }
+    }
+}
+
+/// The names of all ways that this machine has.
+pub fn names() -> Vec<String> {
+    let kernels = Kernel::available().into_iter().map(|k| format!("enfilade-{}", k.name()));
+    kernels.chain(["obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned)).collect()
+}
+
+impl Tracer {
+    /// The way of this name, over the triangles of `scene`.
+    pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
+        let way = if let Some(kernel) = name.strip_prefix("enfilade-") {
+            Way::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
+        } else {
+            let rounded = Rounded::new(scene);
+            if rounded.triangles.is_empty() {
+                return None;
+            }
+            let params = BvhBuildParams::medium_build();
+            let mut time = std::time::Duration::default();
+            match name {
+                "obvhs-bvh2" => {
+                    Way::Bvh2(build_bvh2_from_tris(&rounded.triangles, params, &mut time), rounded)
+                }
+                "obvhs-cwbvh" => {
+                    Way::CwBvh(build_cwbvh_from_tris(&rounded.triangles, params, &mut time), rounded)
+                }
+                _ => return None,
+            }
+        };
+        Some(Tracer { name: name.to_owned(), way })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What each ray meets first: distance and triangle, nothing else for sure.
+    pub fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
+        match &self.way {
+            Way::Kernel(kernel, scene) => {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = scene.trace_with(*kernel, Start::Cell(0), ray, Want::LEAST);
+                }
+            }
+            Way::Bvh2(bvh, rounded) => {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    let mut found = RayHit::none();
+                    let ray = rounded.ray(ray);
+                    let is_hit = bvh.ray_traverse(ray, &mut found, |ray, id| {
+                        rounded.triangles[bvh.primitive_indices[id] as usize].intersect(ray)
+                    });
+                    if is_hit {
+                        found.primitive_id = bvh.primitive_indices[found.primitive_id as usize];
+                    }
+                    *hit = rounded.record(found, is_hit && found.primitive_id != NONE);
+                }
+            }
+            Way::CwBvh(bvh, rounded) => {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    let mut found = RayHit::none();
+                    let ray = rounded.ray(ray);
+                    let is_hit = bvh.ray_traverse(ray, &mut found, |ray, id| {
+                        rounded.triangles[bvh.primitive_indices[id] as usize].intersect(ray)
+                    });
+                    if is_hit {
+                        found.primitive_id = bvh.primitive_indices[found.primitive_id as usize];
+                    }
+                    *hit = rounded.record(found, is_hit && found.primitive_id != NONE);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! `enfilade bench`.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::{Args, Subcommand};
+use enfilade::Scene;
+use enfilade::bench::{ErrorOptions, SpeedOptions, error, names, speed};
+use enfilade::render::{Camera, room_views};
+
+use super::failure::{Failure, Outcome};
+use super::input::{Reading, Resources};
+use super::output;
+use super::render::{parse_picture_size, read_cameras};
+
+/// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong.
+#[derive(Args)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "\
+Examples:
+  enfilade bench house.enf
+  enfilade bench house.enf --cams walk.txt --size 1024x1024 --repeat 9 --json
+  enfilade bench error house.enf --model house.glb
+
+Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
+by itself on the same triangles."
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    what: Option<What>,
+    #[command(flatten)]
+    speed: Option<Speed>,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Time beside error: wrong pixels and the largest error of every way.
+    Error(Error),
+}
+
+#[derive(Args)]
+struct Speed {
+    /// The scene (.enf), or a model, which is compiled on the fly.
+    scene: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Args)]
+struct Error {
+    /// The scene (.enf), or a model, which is compiled on the fly.
+    scene: PathBuf,
+    /// The model that the scene was compiled from: the truth.
+    #[arg(long, value_name = "MODEL")]
+    model: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Args)]
+struct Common {
+    /// A file of cameras; by default two level views from the middle of each room, at most 20 in all.
+    #[arg(long, value_name = "FILE")]
+    cams: Option<PathBuf>,
+    /// Pixels.
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_picture_size)]
+    size: (u32, u32),
+    /// How often each frame is traced; the median counts.
+    #[arg(long, value_name = "R", default_value_t = 5)]
+    repeat: u32,
+    /// Which ways, by name; by default all.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    kernels: Vec<String>,
+    /// Print the report as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
+    resources: Resources,
+}
+
+impl Common {
+    fn kernels(&self) -> Result<Vec<String>, Failure> {
+        let known = names();
+        match self.kernels.iter().find(|k| !known.contains(k)) {
+            Some(unknown) => {
+                Err(Failure::usage(format!("no way '{unknown}' on this machine; there are {known:?}")))
+            }
+            None if self.kernels.is_empty() => Ok(known),
+            None => Ok(self.kernels.clone()),
+        }
+    }
+
+    fn views(&self, scene: &Scene) -> Result<Vec<Camera>, Failure> {
+        /// As many as the documented figures use.
+        const MOST: usize = 20;
+        if let Some(path) = &self.cams {
+            return read_cameras(path, &scene.frame());
+        }
+        let views = room_views(scene, 2);
+        if views.is_empty() {
+            return Ok(vec![enfilade::render::outside_view(scene)]);
+        }
+        let step = views.len().div_ceil(MOST);
+        Ok(views.into_iter().step_by(step).collect())
+    }
+
+    /// One thread unless asked for more: times of several depend on what else the machine does.
+    fn pool(&self) -> Resources {
+        let mut resources = self.resources.clone();
+        resources.threads = resources.threads.max(1);
+        resources
+    }
+
+    fn scene(&self, path: &Path) -> Result<Arc<Scene>, Failure> {
+        self.reading.scene(path, &self.resources).map(Arc::new)
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    match (&arguments.what, &arguments.speed) {
+        (Some(What::Error(error)), _) => run_error(error),
+        (None, Some(speed)) => run_speed(speed),
+        (None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
+    }
+}
+
+fn run_speed(arguments: &Speed) -> Result<Outcome, Failure> {
+    let common = &arguments.common;
+    common.pool().in_pool(|| {
+        let scene = common.scene(&arguments.scene)?;
+        let views = common.views(&scene)?;
+        let mut options = SpeedOptions::default();
+        options.size = common.size;
+        options.repeat = common.repeat;
+        options.kernels = common.kernels()?;
+        let report = speed(&scene, &views, &options);
+        if common.json {
+            return output::print_json(&report);
+        }
+        let mut out = String::new();
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{}, {} thread(s), {} triangles, medians of {}",
+            report.machine, report.threads, report.triangles, report.repeat
+        );
+        let _ = writeln!(
+            out,
+            "{:<8} {:<18} {:>7} {:>11} {:>10} {:>10} {:>7} {:>10}",
+            "rays", "kernel", "frames", "frame ms", "ns/ray", "Mrays/s", "ratio", "differing"
+        );
+        for r in &report.rows {
+            let _ = writeln!(
+                out,
+                "{:<8} {:<18} {:>7} {:>11.3} {:>10.1} {:>10.2} {:>7.2} {:>10}",
+                r.rays, r.kernel, r.frames, r.frame_ms, r.ns_per_ray, r.mrays_per_s, r.ratio, r.differing
+            );
+        }
+        output::print(&out)
+    })?
+}
+
+fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
+    let common = &arguments.common;
+    common.pool().in_pool(|| {
+        let scene = common.scene(&arguments.scene)?;
+        let model = common.reading.model(&arguments.model, &common.resources)?;
+        let views = common.views(&scene)?;
+        let mut options = ErrorOptions::default();
+        options.size = common.size;
+        options.repeat = common.repeat;
+        options.kernels = common.kernels()?;
+        options.untagged = common.reading.untagged.untagged();
+        let report = error(&scene, &model, &views, &options).map_err(Failure::input)?;
+        if common.json {
+            return output::print_json(&report);
+        }
+        let mut out = String::new();
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{}, {} thread(s), {} pixels of {} frames, tolerance {} m",
+            report.machine, report.threads, report.pixels, report.frames, report.tolerance
+        );
+        let _ = writeln!(
+            out,
+            "{:<18} {:>10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}",
+            "kernel", "ns/ray", "wrong", "ppm", "on edges", "max fwd m", "rms fwd m", "max back m"
+        );
+        for r in &report.rows {
+            let _ = writeln!(
+                out,
+                "{:<18} {:>10.1} {:>9} {:>9.2} {:>9} {:>12.3e} {:>12.3e} {:>12.3e}",
+                r.kernel,
+                r.ns_per_ray,
+                r.wrong,
+                r.wrong_ppm,
+                r.edges,
+                r.largest_forward,
+                r.rms_forward,
+                r.largest_backward
+            );
+        }
+        output::print(&out)
+    })?
+}

@@ -1,0 +1,85 @@
+//! The building section: elements and rooms.
+
+use std::collections::HashMap;
+
+use enfilade_importers::{Model, Role, Semantic};
+
+use super::geometry::Part;
+use crate::format::Tables;
+use crate::format::records::{ElementRecord, RoomRecord, Text};
+use crate::trace::NONE;
+
+/// Fills the sections `elements` and `rooms`, and the rooms of `volumes`.
+pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
+    let by_id: HashMap<&str, u32> = model.elements.iter().zip(0..).map(|(e, i)| (e.id.as_str(), i)).collect();
+    let find = |id: &Option<String>| id.as_deref().and_then(|id| by_id.get(id)).copied().unwrap_or(NONE);
+    // Classes and storeys are few and repeat: each is stored once.
+    let mut shared: HashMap<String, Text> = HashMap::new();
+    let mut intern = |tables: &mut Tables, text: Option<&str>| {
+        let text = text.unwrap_or("");
+        if let Some(&known) = shared.get(text) {
+            return known;
+        }
+        let new = tables.text(text);
+        shared.insert(text.to_owned(), new);
+        new
+    };
+    let mut ranges = vec![(0u32, 0u32); model.elements.len()];
+    for (i, triangle) in tables.triangles.iter().enumerate() {
+        let (first, count) = &mut ranges[triangle.element as usize];
+        if *count == 0 {
+            *first = i as u32;
+        }
+        *count += 1;
+    }
+    for (i, element) in model.elements.iter().enumerate() {
+        let id = tables.text(&element.id);
+        let name = if element.name == element.id { id } else { tables.text(&element.name) };
+        let path = if element.path == element.id { id } else { tables.text(&element.path) };
+        let class = intern(tables, element.class.as_deref());
+        let storey = intern(tables, element.storey.as_deref());
+        let role = parts[i].components.first().map_or(Role::Detail, |c| c.1);
+        tables.elements.push(ElementRecord {
+            id,
+            name,
+            path,
+            class,
+            storey,
+            semantic: element.semantic.number(),
+            role: role as u32,
+            first_triangle: ranges[i].0,
+            triangle_count: ranges[i].1,
+            host: find(&element.host),
+            filling: find(&element.filling),
+            opening: find(&element.opening),
+            reserved: 0,
+        });
+        if matches!(element.semantic, Semantic::Room | Semantic::Stairwell) {
+            add_room(i as u32, &parts[i], tables);
+        }
+    }
+}
+
+fn add_room(element: u32, part: &Part, tables: &mut Tables) {
+    let room = tables.rooms.len() as u32;
+    let mut bounds = part.components[0].0.bounds;
+    for (component, ..) in &part.components {
+        for axis in 0..3 {
+            bounds[0][axis] = bounds[0][axis].min(component.bounds[0][axis]);
+            bounds[1][axis] = bounds[1][axis].max(component.bounds[1][axis]);
+        }
+    }
+    let (mut volume, mut floor_area, mut closed) = (0.0, 0.0, false);
+    for record in tables.volumes.iter_mut().filter(|v| v.element == element) {
+        record.room = room;
+        closed = true;
+        volume += record.measure;
+        let first = record.first_triangle as usize;
+        for triangle in &tables.triangles[first..first + record.triangle_count as usize] {
+            let [a, b, c] = triangle.vertices.map(|v| tables.vertices[v as usize]);
+            let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            floor_area += (-twice / 2.0).max(0.0);
+        }
+    }
+    tables.rooms.push(RoomRecord { bounds, volume, floor_area, element, closed: u32::from(closed) });
+}

@@ -1,0 +1,303 @@
+//! The hierarchy of boxes around detail triangles: built by `obvhs` two children wide, made eight wide here.
+
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle;
+
+use crate::format::MAX_DEPTH;
+use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord};
+use crate::trace::NONE;
+
+/// Nodes and blocks of one hierarchy; node 0 is the root.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Hierarchy {
+    pub(super) nodes: Vec<NodeRecord>,
+    pub(super) blocks: Vec<BlockRecord>,
+    /// Longest chain of nodes.
+    pub(super) depth: u32,
+}
+
+/// Lanes that hold nothing: every comparison with NaN is false.
+const EMPTY: BlockRecord = BlockRecord {
+    corner: [[f32::NAN; LANES]; 3],
+    edge1: [[f32::NAN; LANES]; 3],
+    edge2: [[f32::NAN; LANES]; 3],
+    triangle: [NONE; LANES],
+};
+
+/// The slack of the f32 kernels, metres, for coordinates up to `radius` from the center and rays up to `diameter` long.
+///
+/// One rounding of a coordinate, a difference or a product is off by at most 2^-24 of it; a determinant of the triangle
+/// test adds some twenty of them, and the box test fewer. 2^-19 is thirty-two.
+pub(super) fn slack(radius: f64, diameter: f64) -> f32 {
+    ((radius + diameter) * (-19f64).exp2()) as f32
+}
+
+/// The hierarchy over triangles given by their corners, boxes and blocks relative to `center`.
+pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -> Hierarchy {
+    if triangles.is_empty() {
+        return Hierarchy::default();
+    }
+    let center = DVec3::from(center);
+    let corners = |t: usize| triangles[t].map(|p| (DVec3::from(p) - center).as_vec3a());
+    let rounded: Vec<Triangle> = (0..triangles.len())
+        .map(|t| {
+            let [v0, v1, v2] = corners(t);
+            Triangle { v0, v1, v2 }
+        })
+        .collect();
+    let binary = binary(&rounded);
+    let mut hierarchy =
+        Collapse { binary: &binary, triangles, center, slack, out: Hierarchy::default() }.run();
+    if hierarchy.depth > MAX_DEPTH {
+        // Only triangles laid out to spoil it nest so deeply: halves of a sorted list never do.
+        let binary = halves(&rounded);
+        hierarchy = Collapse { binary: &binary, triangles, center, slack, out: Hierarchy::default() }.run();
+    }
+    hierarchy
+}
+
+/// A binary tree of good quality: large triangles split beforehand, clustered (PLOC), improved by reinsertion. The steps
+/// are those of `obvhs`' own medium build, one by one, because that one panics in debug builds on deep trees.
+fn binary(triangles: &[Triangle]) -> Bvh2 {
+    let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+    let mut indices: Vec<u32> = (0..triangles.len() as u32).collect();
+    let areas = boxes.iter().map(Aabb::half_area);
+    let largest = areas.clone().fold(0.0, f32::max);
+    let average = areas.sum::<f32>() / triangles.len() as f32;
+    split_aabbs_preset(&mut boxes, &mut indices, triangles, average, largest);
+    let mut builder = PlocBuilder::with_capacity(boxes.len());
+    let mut tree = builder.build(PlocSearchDistance::Medium, &boxes, indices, SortPrecision::U64, 3);
+    if tree.depth(0) > DEEPEST_BINARY {
+        return halves(triangles);
+    }
+    tree.uses_spatial_splits = true;
+    ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
+    tree
+}
+
+/// Beyond this the clusters have gone wrong: triangles laid out to spoil them.
+const DEEPEST_BINARY: usize = 96;
+
+/// Share of the nodes that are tried at other places of the tree.
+const REINSERTED: f32 = 0.05;
+
+struct Collapse<'a> {
+    binary: &'a Bvh2,
+    triangles: &'a [[[f64; 3]; 3]],
+    center: DVec3,
+    slack: f32,
+    out: Hierarchy,
+}
+
+impl Collapse<'_> {
+    fn run(mut self) -> Hierarchy {
+        let counts = self.counts();
+        // (node of the binary tree, index of the wide node that it becomes, its depth)
+        let mut todo = vec![(0u32, 0u32, 1u32)];
+        self.out.nodes.push(empty_node());
+        while let Some((root, index, depth)) = todo.pop() {
+            self.out.depth = self.out.depth.max(depth);
+            for (lane, child) in self.children(root, &counts).into_iter().enumerate() {
+                let bounds = self.binary.nodes[child as usize].aabb;
+                let link = if counts[child as usize] as usize <= LANES {
+                    self.block(child)
+                } else {
+                    self.out.nodes.push(empty_node());
+                    let next = self.out.nodes.len() as u32 - 1;
+                    todo.push((child, next, depth + 1));
+                    next
+                };
+                let node = &mut self.out.nodes[index as usize];
+                node.child[lane] = link;
+                for axis in 0..3 {
+                    node.lo[axis][lane] = (bounds.min[axis] - self.slack).next_down();
+                    node.hi[axis][lane] = (bounds.max[axis] + self.slack).next_up();
+                }
+            }
+        }
+        self.out
+    }
+
+    /// How many triangles hang below each node, up to what matters.
+    fn counts(&self) -> Vec<u32> {
+        let mut counts = vec![0u32; self.binary.nodes.len()];
+        let mut order = vec![0u32];
+        let mut next = 0;
+        while next < order.len() {
+            let node = &self.binary.nodes[order[next] as usize];
+            if !node.is_leaf() {
+                order.extend([node.first_index, node.first_index + 1]);
+            }
+            next += 1;
+        }
+        for &i in order.iter().rev() {
+            let node = &self.binary.nodes[i as usize];
+            counts[i as usize] = if node.is_leaf() {
+                node.prim_count
+            } else {
+                let first = node.first_index as usize;
+                counts[first].saturating_add(counts[first + 1])
+            };
+        }
+        counts
+    }
+
+    /// Up to eight nodes of the binary tree that replace `root`: the largest box is opened first; boxes whose
+    /// triangles fit one block are opened only while lanes are left over.
+    fn children(&self, root: u32, counts: &[u32]) -> Vec<u32> {
+        let area = |node: u32| self.binary.nodes[node as usize].aabb.half_area();
+        let mut children = vec![root];
+        while children.len() < LANES {
+            let mut best: Option<usize> = None;
+            for (i, &child) in children.iter().enumerate() {
+                if counts[child as usize] as usize > LANES
+                    && !self.binary.nodes[child as usize].is_leaf()
+                    && best.is_none_or(|b| area(child) > area(children[b]))
+                {
+                    best = Some(i);
+                }
+            }
+            let Some(best) = best else { break };
+            let first = self.binary.nodes[children[best] as usize].first_index;
+            children[best] = first;
+            children.push(first + 1);
+        }
+        children
+    }
+
+    /// A block of all triangles below a node.
+    fn block(&mut self, root: u32) -> u32 {
+        let mut members = Vec::with_capacity(LANES);
+        let mut todo = vec![root];
+        while let Some(i) = todo.pop() {
+            let node = &self.binary.nodes[i as usize];
+            if node.is_leaf() {
+                let first = node.first_index as usize;
+                members.extend_from_slice(
+                    &self.binary.primitive_indices[first..first + node.prim_count as usize],
+                );
+            } else {
+                todo.extend([node.first_index + 1, node.first_index]);
+            }
+        }
+        members.sort_unstable();
+        // A triangle that was split may have come together again.
+        members.dedup();
+        let mut block = EMPTY;
+        for (lane, &t) in members.iter().enumerate() {
+            let [a, b, c] = self.triangles[t as usize].map(DVec3::from);
+            let parts = [(a - self.center).as_vec3(), (b - a).as_vec3(), (c - a).as_vec3()];
+            for axis in 0..3 {
+                block.corner[axis][lane] = parts[0][axis];
+                block.edge1[axis][lane] = parts[1][axis];
+                block.edge2[axis][lane] = parts[2][axis];
+            }
+            block.triangle[lane] = t;
+        }
+        self.out.blocks.push(block);
+        (self.out.blocks.len() as u32 - 1) | BLOCK_BIT
+    }
+}
+
+fn empty_node() -> NodeRecord {
+    NodeRecord {
+        lo: [[f32::INFINITY; LANES]; 3],
+        hi: [[f32::NEG_INFINITY; LANES]; 3],
+        child: [NONE; LANES],
+        reserved: [0; LANES],
+    }
+}
+
+/// A binary tree of halves along the longest axis: never deeper than the logarithm of the number of triangles.
+fn halves(triangles: &[Triangle]) -> Bvh2 {
+    use obvhs::bvh2::node::Bvh2Node;
+    let boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    let around = |part: &[u32]| part.iter().fold(Aabb::INVALID, |all, &t| all.union(&boxes[t as usize]));
+    let mut nodes = vec![Bvh2Node::new(around(&order), 0, 0)];
+    let mut todo = vec![(0usize, 0usize, order.len())];
+    while let Some((index, start, end)) = todo.pop() {
+        let bounds = nodes[index].aabb;
+        if end - start == 1 {
+            nodes[index] = Bvh2Node::new(bounds, 1, start as u32);
+            continue;
+        }
+        let size: Vec3A = bounds.diagonal();
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let middle = (start + end) / 2;
+        order[start..end].sort_by(|&a, &b| {
+            boxes[a as usize].center()[axis].total_cmp(&boxes[b as usize].center()[axis]).then(a.cmp(&b))
+        });
+        let first = nodes.len();
+        nodes.push(Bvh2Node::new(around(&order[start..middle]), 0, 0));
+        nodes.push(Bvh2Node::new(around(&order[middle..end]), 0, 0));
+        nodes[index] = Bvh2Node::new(bounds, 0, first as u32);
+        todo.extend([(first, start, middle), (first + 1, middle, end)]);
+    }
+    Bvh2 { nodes, primitive_indices: order, ..Bvh2::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_laid_out_to_nest_stay_shallow() {
+        // Each triangle three times the size of the last, all from one corner.
+        let triangles: Vec<[[f64; 3]; 3]> = (0..4000)
+            .map(|i| {
+                let size = 1e-6 * 1.02f64.powi(i % 1500) * 3f64.powi(i % 7);
+                [[0.0; 3], [size, 0.0, 0.0], [0.0, size, f64::from(i) * 1e-9]]
+            })
+            .collect();
+        let hierarchy = build(&triangles, [0.0; 3], 1e-6);
+        assert!(hierarchy.depth <= MAX_DEPTH, "{}", hierarchy.depth);
+        let rounded: Vec<Triangle> = triangles
+            .iter()
+            .map(|t| {
+                let [v0, v1, v2] = t.map(|p| DVec3::from(p).as_vec3a());
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let binary = halves(&rounded);
+        let shallow = Collapse {
+            binary: &binary,
+            triangles: &triangles,
+            center: DVec3::ZERO,
+            slack: 1e-6,
+            out: Hierarchy::default(),
+        };
+        assert!(shallow.run().depth <= 12);
+    }
+
+    #[test]
+    fn every_triangle_is_in_a_block_and_every_box_holds_its_triangles() {
+        let triangles: Vec<[[f64; 3]; 3]> = (0..500)
+            .map(|i| {
+                let at = |k: i32| f64::from((i * 7919 + k * 104_729) % 1000) / 10.0;
+                [[at(0), at(1), at(2)], [at(3), at(1), at(2)], [at(0), at(4), at(5)]]
+            })
+            .collect();
+        let hierarchy = build(&triangles, [50.0; 3], 1e-4);
+        let mut found = vec![false; triangles.len()];
+        for block in &hierarchy.blocks {
+            for lane in 0..LANES {
+                if block.triangle[lane] != NONE {
+                    found[block.triangle[lane] as usize] = true;
+                }
+            }
+        }
+        assert!(found.iter().all(|&f| f));
+    }
+}

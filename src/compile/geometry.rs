@@ -1,0 +1,139 @@
+//! Vertices, triangles and closed volumes: which triangles rays can meet, which only label air.
+
+use enfilade_importers::{Element, Model, Role, Untagged};
+
+use super::outward::{Outward, turn_outward};
+use crate::components::{Component, components};
+use crate::format::Tables;
+use crate::format::records::{TriangleRecord, VolumeRecord};
+use crate::roles::{asked_role, component_role};
+use crate::trace::NONE;
+
+/// The components of one element, each with its role and, if it is closed and carves or labels, turned outward.
+pub(super) struct Part {
+    pub(super) components: Vec<(Component, Role, Option<Outward>)>,
+}
+
+/// What [`gather`] did.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gathered {
+    /// The first so many triangles can be met.
+    pub(super) detail_triangles: u32,
+    /// Triangles of air labels.
+    pub(super) label_triangles: u64,
+    /// Triangles of elements that are left out.
+    pub(super) ignored_triangles: u64,
+    /// Triangles turned outward.
+    pub(super) turned: u64,
+    /// Solid components by volume.
+    pub(super) solids: u64,
+    /// Components of solid elements that are open, and so stay detail.
+    pub(super) open_solids: u64,
+}
+
+impl Gathered {
+    /// Counts components by role.
+    pub(super) fn count_components(&mut self, parts: &[Part]) {
+        for (_, role, _) in parts.iter().flat_map(|p| &p.components) {
+            self.solids += u64::from(*role == Role::Solid);
+        }
+    }
+}
+
+/// The components and roles of every element.
+pub(super) fn split(model: &Model, untagged: Untagged) -> Vec<Part> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        model.elements.par_iter().map(|element| part(element, untagged)).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    model.elements.iter().map(|element| part(element, untagged)).collect()
+}
+
+fn part(element: &Element, untagged: Untagged) -> Part {
+    let asked = asked_role(element, untagged);
+    let components = components(&element.mesh).into_iter().map(|component| {
+        let role = component_role(asked, &component);
+        let volume = component.closed && matches!(role, Role::Solid | Role::Air);
+        let outward = volume.then(|| turn_outward(&element.mesh, &component));
+        (component, role, outward)
+    });
+    Part { components: components.collect() }
+}
+
+/// Fills the sections `vertices`, `triangles` and `volumes`. Rooms are not known yet.
+pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gathered {
+    let mut gathered = Gathered::default();
+    let mut index = vec![NONE; model.elements.iter().map(|e| e.mesh.positions.len()).max().unwrap_or(0)];
+    for labels in [false, true] {
+        for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {
+            let before = tables.triangles.len();
+            index[..element.mesh.positions.len()].fill(NONE);
+            for (component, role, outward) in &part.components {
+                let count = component.triangles.len() as u64;
+                if *role == Role::Ignore {
+                    gathered.ignored_triangles += if labels { 0 } else { count };
+                    continue;
+                }
+                if (*role == Role::Air) != labels {
+                    continue;
+                }
+                if let Role::Detail = role {
+                    let solid = matches!(element.semantic.role(), Some(Role::Solid));
+                    gathered.open_solids += u64::from(solid);
+                }
+                add(element, e as u32, component, *role, outward.as_ref(), &mut index, tables);
+                gathered.turned += outward.as_ref().map_or(0, |o| o.turned);
+            }
+            if labels {
+                gathered.label_triangles += (tables.triangles.len() - before) as u64;
+            }
+        }
+        if !labels {
+            gathered.detail_triangles = tables.triangles.len() as u32;
+        }
+    }
+    gathered
+}
+
+fn add(
+    element: &Element,
+    e: u32,
+    component: &Component,
+    role: Role,
+    outward: Option<&Outward>,
+    index: &mut [u32],
+    tables: &mut Tables,
+) {
+    let first = tables.triangles.len() as u32;
+    let volume = match outward {
+        Some(outward) => {
+            tables.volumes.push(VolumeRecord {
+                bounds: component.bounds,
+                measure: outward.volume,
+                first_triangle: first,
+                triangle_count: component.triangles.len() as u32,
+                element: e,
+                role: role as u32,
+                by_winding: u32::from(outward.by_winding),
+                room: NONE,
+            });
+            tables.volumes.len() as u32 - 1
+        }
+        None => NONE,
+    };
+    for (i, &t) in component.triangles.iter().enumerate() {
+        let corners = outward.map_or(element.mesh.triangles[t as usize], |o| o.triangles[i]);
+        let vertices = corners.map(|v| {
+            let slot = &mut index[v as usize];
+            if *slot == NONE {
+                *slot = tables.vertices.len() as u32;
+                tables.vertices.push(element.mesh.positions[v as usize]);
+            }
+            *slot
+        });
+        let material = element.mesh.materials[t as usize].0;
+        tables.triangles.push(TriangleRecord { vertices, element: e, material, volume });
+    }
+}

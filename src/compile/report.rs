@@ -1,0 +1,188 @@
+//! What a compilation did: timings, counts that add up, repairs.
+
+use std::collections::BTreeMap;
+
+use enfilade_importers::{Model, Role};
+use serde::Serialize;
+
+use super::CompileOptions;
+use super::geometry::Gathered;
+use crate::format::Tables;
+use crate::format::records::Traits;
+
+/// Report of a compilation, the same as `enfilade compile --json` prints.
+#[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
+pub struct Report {
+    /// The program.
+    pub tool: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// The source's file name.
+    pub source: String,
+    /// XXH3-64 of the source, as 16 hexadecimal digits.
+    pub source_hash: String,
+    /// The options that matter for the scene's bytes.
+    pub options: BTreeMap<&'static str, String>,
+    /// Metres in one unit of the source.
+    pub unit: f64,
+    /// What was taken off, internal frame, metres.
+    pub offset: [f64; 3],
+    /// Hull: lower and upper corner, internal frame, metres.
+    pub hull: [[f64; 3]; 2],
+    /// What the scene holds.
+    pub traits: Vec<&'static str>,
+    /// Triangles read from the source. Equals the sum of the counts in `triangles_out`.
+    pub triangles_in: u64,
+    /// Where they went.
+    pub triangles_out: Vec<Count>,
+    /// What else was left out, and why.
+    pub left_out: Vec<Count>,
+    /// Elements by role of their components.
+    pub roles: Vec<RoleCount>,
+    /// Elements.
+    pub elements: u64,
+    /// Rooms.
+    pub rooms: u64,
+    /// Cells.
+    pub cells: u64,
+    /// Closed components that carve.
+    pub solid_components: u64,
+    /// Components of solid elements that are open, and stay detail.
+    pub open_solid_components: u64,
+    /// What was changed on the way.
+    pub repairs: Vec<Repair>,
+    /// Longest chain of nodes in the hierarchy of boxes.
+    pub hierarchy_depth: u32,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Time of each stage.
+    pub stages: Vec<Stage>,
+    /// Bytes of the compiled scene.
+    pub bytes: u64,
+    /// Most memory accounted for at once, bytes, beside the model's own.
+    pub peak_budget_bytes: u64,
+}
+
+/// A number of triangles or other things.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Count {
+    /// Of what.
+    pub what: String,
+    /// How many.
+    pub count: u64,
+}
+
+/// How many elements have components of a role, and their triangles.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RoleCount {
+    /// The role.
+    pub role: &'static str,
+    /// Elements whose first component has it.
+    pub elements: u64,
+    /// Triangles of those elements.
+    pub triangles: u64,
+}
+
+/// A kind of repair.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Repair {
+    /// What was done.
+    pub what: &'static str,
+    /// How often.
+    pub count: u64,
+    /// The farthest that anything was moved by it, metres.
+    pub largest_displacement: f64,
+}
+
+/// Time of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: &'static str,
+    /// Wall-clock time.
+    pub seconds: f64,
+}
+
+impl Report {
+    /// What the file itself says about how it was made: no time, path, thread count or machine.
+    pub(super) fn provenance(&self) -> String {
+        let value = serde_json::json!({
+            "tool": self.tool,
+            "version": self.version,
+            "source": self.source,
+            "source_hash": self.source_hash,
+            "options": self.options,
+            "triangles_in": self.triangles_in,
+            "triangles_out": self.triangles_out,
+            "left_out": self.left_out,
+            "repairs": self.repairs,
+            "warnings": self.warnings,
+        });
+        value.to_string()
+    }
+}
+
+pub(super) fn make(
+    model: &Model,
+    options: &CompileOptions,
+    gathered: &Gathered,
+    tables: &Tables,
+    depth: u32,
+) -> Report {
+    let scene = &tables.scene[0];
+    let mut out = vec![
+        Count { what: "detail".to_owned(), count: u64::from(gathered.detail_triangles) },
+        Count { what: "air labels".to_owned(), count: gathered.label_triangles },
+        Count { what: "ignored elements".to_owned(), count: gathered.ignored_triangles },
+    ];
+    let mut reasons: BTreeMap<_, u64> = BTreeMap::new();
+    for left_out in &model.left_out {
+        *reasons.entry(left_out.reason).or_default() += left_out.count;
+    }
+    let mut left_out = Vec::new();
+    for (reason, count) in reasons {
+        let row = Count { what: reason.text().to_owned(), count };
+        if reason.is_triangles() { out.push(row) } else { left_out.push(row) }
+    }
+    let mut roles: BTreeMap<Role, (u64, u64)> = BTreeMap::new();
+    for (record, element) in tables.elements.iter().zip(&model.elements) {
+        let entry = roles.entry(Role::from_number(record.role).unwrap_or(Role::Detail)).or_default();
+        entry.0 += 1;
+        entry.1 += element.mesh.triangles.len() as u64;
+    }
+    let untagged = format!("{:?}", options.untagged).to_lowercase();
+    Report {
+        tool: "enfilade",
+        version: env!("CARGO_PKG_VERSION"),
+        source: model.source.clone(),
+        source_hash: format!("{:016x}", model.source_hash),
+        options: BTreeMap::from([("tolerance", format!("{}", options.tolerance)), ("untagged", untagged)]),
+        unit: scene.unit,
+        offset: scene.offset,
+        hull: scene.hull,
+        traits: Traits(scene.traits).names(),
+        triangles_in: model.triangles_read,
+        triangles_out: out,
+        left_out,
+        roles: roles
+            .into_iter()
+            .map(|(role, (elements, triangles))| RoleCount { role: role.name(), elements, triangles })
+            .collect(),
+        elements: tables.elements.len() as u64,
+        rooms: tables.rooms.len() as u64,
+        cells: tables.cells.len() as u64,
+        solid_components: gathered.solids,
+        open_solid_components: gathered.open_solids,
+        repairs: vec![Repair {
+            what: "triangles of closed components turned outward",
+            count: gathered.turned,
+            largest_displacement: 0.0,
+        }],
+        hierarchy_depth: depth,
+        warnings: crate::inspect::warnings(model),
+        stages: Vec::new(),
+        bytes: 0,
+        peak_budget_bytes: 0,
+    }
+}

@@ -1,0 +1,312 @@
+//! The plain records that a compiled scene is made of, byte for byte as `docs/FORMAT.md` lays them out.
+//!
+//! All are `#[repr(C)]` without padding, little-endian. Indices that stand for none are `u32::MAX`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A text: bytes `start..start + len` of the section `strings`, UTF-8.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Text {
+    /// First byte.
+    pub start: u32,
+    /// Bytes.
+    pub len: u32,
+}
+
+/// Section `scene`: one record about the whole.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SceneRecord {
+    /// Metres in one unit of the source.
+    pub unit: f64,
+    /// What was taken off the internal coordinates, metres.
+    pub offset: [f64; 3],
+    /// The hull's lower and upper corner, internal frame, metres.
+    pub hull: [[f64; 3]; 2],
+    /// What is taken off coordinates before they are rounded to f32 (boxes, blocks).
+    pub center: [f64; 3],
+    /// The tolerance in force, metres.
+    pub tolerance: f64,
+    /// The locator's lower corner, metres.
+    pub locator_origin: [f64; 3],
+    /// Edge of the locator's cubes, metres.
+    pub locator_step: f64,
+    /// Cubes of the locator along x, y and z.
+    pub locator_dims: [u32; 3],
+    /// 1 if the source's Y points up, 2 if its Z does.
+    pub up: u32,
+    /// What the scene holds, see [`Traits`].
+    pub traits: u32,
+    /// Triangles that rays can meet: the first so many of the section `triangles`.
+    pub detail_triangles: u32,
+    /// Slack of the f32 kernels, metres: boxes are inflated by it, triangles nearer to a ray are tested in f64.
+    pub slack: f32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// What a scene holds, so that what it lacks can be skipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traits(pub u32);
+
+impl Traits {
+    /// Cells with sloped floors or ceilings.
+    pub const SLOPED: u32 = 1;
+    /// Detail triangles.
+    pub const DETAIL: u32 = 2;
+    /// Materials that mirror (metals with little roughness).
+    pub const MIRRORS: u32 = 4;
+    /// Materials that light goes through.
+    pub const GLASS: u32 = 8;
+    /// Light sources.
+    pub const LIGHTS: u32 = 16;
+    /// Textures.
+    pub const TEXTURES: u32 = 32;
+    /// At most one storey.
+    pub const SINGLE_STOREY: u32 = 64;
+    /// Every bit that this version knows.
+    pub const ALL: u32 = 127;
+
+    /// Whether the scene holds all of `bits`.
+    pub const fn has(self, bits: u32) -> bool {
+        self.0 & bits == bits
+    }
+
+    /// The words for the bits that are set.
+    pub fn names(self) -> Vec<&'static str> {
+        const NAMES: [(u32, &str); 7] = [
+            (Traits::SLOPED, "sloped"),
+            (Traits::DETAIL, "detail"),
+            (Traits::MIRRORS, "mirrors"),
+            (Traits::GLASS, "glass"),
+            (Traits::LIGHTS, "lights"),
+            (Traits::TEXTURES, "textures"),
+            (Traits::SINGLE_STOREY, "single storey"),
+        ];
+        NAMES.iter().filter(|(bit, _)| self.has(*bit)).map(|(_, name)| *name).collect()
+    }
+}
+
+/// Section `elements`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ElementRecord {
+    /// Identity.
+    pub id: Text,
+    /// Name.
+    pub name: Text,
+    /// Path in the source.
+    pub path: Text,
+    /// Class; empty if none.
+    pub class: Text,
+    /// Storey; empty if none.
+    pub storey: Text,
+    /// Number of its semantic.
+    pub semantic: u32,
+    /// Number of the role of its first component.
+    pub role: u32,
+    /// First of its triangles in the section `triangles`.
+    pub first_triangle: u32,
+    /// How many.
+    pub triangle_count: u32,
+    /// The element that it pierces or sits in, or none.
+    pub host: u32,
+    /// The element that fills it, or none.
+    pub filling: u32,
+    /// The opening that it fills, or none.
+    pub opening: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Section `rooms`: air labels of class ROOM, in the order of their elements.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RoomRecord {
+    /// Lower and upper corner of its label's mesh, metres.
+    pub bounds: [[f64; 3]; 2],
+    /// Volume, m3, its triangles turned outward beforehand; 0 if its mesh is not closed.
+    pub volume: f64,
+    /// Area of its floor in the plan, m2; 0 if its mesh is not closed.
+    pub floor_area: f64,
+    /// The element that labels it.
+    pub element: u32,
+    /// 1 if its label's mesh is closed, so that points can be told to lie in it.
+    pub closed: u32,
+}
+
+/// Section `cells`. Until a scene is partitioned it has one: the hull.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellRecord {
+    /// Lower and upper corner, metres.
+    pub bounds: [[f64; 3]; 2],
+    /// Number of the semantic of its air.
+    pub semantic: u32,
+    /// Its room, or none.
+    pub room: u32,
+    /// The node of the section `nodes` at the root of its detail, or none.
+    pub root: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Section `materials`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct MaterialRecord {
+    /// Name.
+    pub name: Text,
+    /// Linear RGB.
+    pub base_color: [f32; 3],
+    /// Opacity.
+    pub alpha: f32,
+    /// Emitted radiance, linear RGB.
+    pub emissive: [f32; 3],
+    /// 0 to 1.
+    pub metallic: f32,
+    /// 0 to 1.
+    pub roughness: f32,
+    /// Index of refraction.
+    pub ior: f32,
+    /// 0 to 1.
+    pub transmission: f32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Section `lights`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightRecord {
+    /// Metres.
+    pub position: [f64; 3],
+    /// Unit length.
+    pub direction: [f64; 3],
+    /// Metres; may be infinite.
+    pub range: f64,
+    /// Name.
+    pub name: Text,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Candela or lux.
+    pub intensity: f32,
+    /// 0 point, 1 directional, 2 spot.
+    pub kind: u32,
+    /// Half angle of the full-intensity cone, radians.
+    pub inner: f32,
+    /// Half angle of the whole cone, radians.
+    pub outer: f32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Section `cameras`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CameraRecord {
+    /// Metres.
+    pub eye: [f64; 3],
+    /// Unit length.
+    pub direction: [f64; 3],
+    /// Unit length.
+    pub up: [f64; 3],
+    /// Vertical field of view, degrees.
+    pub vfov: f64,
+    /// Name.
+    pub name: Text,
+}
+
+/// Section `triangles`: first those that rays can meet, then those of air labels; each group in the order of its
+/// elements, within an element by component. Triangles of closed components are turned outward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct TriangleRecord {
+    /// Indices into the section `vertices`.
+    pub vertices: [u32; 3],
+    /// Its element.
+    pub element: u32,
+    /// Its material.
+    pub material: u32,
+    /// The closed component whose boundary it is, as index into the section `volumes`, or none.
+    pub volume: u32,
+}
+
+/// Section `volumes`: the closed components that carve (solids) or label air.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct VolumeRecord {
+    /// Lower and upper corner, metres.
+    pub bounds: [[f64; 3]; 2],
+    /// Volume, m3.
+    pub measure: f64,
+    /// First of its triangles.
+    pub first_triangle: u32,
+    /// How many.
+    pub triangle_count: u32,
+    /// Its element.
+    pub element: u32,
+    /// Number of its role: solid or air.
+    pub role: u32,
+    /// 1 if a point's winding number decides (all triangles outward), 0 if the parity of crossings does.
+    pub by_winding: u32,
+    /// Its room, or none.
+    pub room: u32,
+}
+
+/// Lanes of a node and of a block.
+pub const LANES: usize = 8;
+
+/// Section `nodes`: an inner node of the hierarchy of boxes, eight children wide, coordinates relative to the
+/// scene's center.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct NodeRecord {
+    /// Lower bounds of the children: x, y, z.
+    pub lo: [[f32; LANES]; 3],
+    /// Upper bounds of the children: x, y, z.
+    pub hi: [[f32; LANES]; 3],
+    /// A node (after this one), or with the top bit set a block; `u32::MAX` for no child, whose box is inside out.
+    pub child: [u32; LANES],
+    /// Zero.
+    pub reserved: [u32; LANES],
+}
+
+/// The bit of [`NodeRecord::child`] that marks a block.
+pub const BLOCK_BIT: u32 = 1 << 31;
+
+/// Section `blocks`: up to eight triangles in f32, relative to the scene's center; lanes without one hold NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BlockRecord {
+    /// First corners: x, y, z.
+    pub corner: [[f32; LANES]; 3],
+    /// Second corners less the first.
+    pub edge1: [[f32; LANES]; 3],
+    /// Third corners less the first.
+    pub edge2: [[f32; LANES]; 3],
+    /// Triangles, or none.
+    pub triangle: [u32; LANES],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::size_of;
+
+    #[test]
+    fn sizes_are_those_of_the_format() {
+        assert_eq!(size_of::<SceneRecord>(), 8 + 24 + 48 + 24 + 8 + 24 + 8 + 12 + 5 * 4);
+        assert_eq!(size_of::<ElementRecord>(), 72);
+        assert_eq!(size_of::<RoomRecord>(), 72);
+        assert_eq!(size_of::<CellRecord>(), 64);
+        assert_eq!(size_of::<MaterialRecord>(), 56);
+        assert_eq!(size_of::<LightRecord>(), 96);
+        assert_eq!(size_of::<CameraRecord>(), 88);
+        assert_eq!(size_of::<TriangleRecord>(), 24);
+        assert_eq!(size_of::<VolumeRecord>(), 80);
+        assert_eq!(size_of::<NodeRecord>(), 256);
+        assert_eq!(size_of::<BlockRecord>(), 320);
+    }
+}

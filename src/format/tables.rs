@@ -1,0 +1,365 @@
+//! A scene as tables: owned while it is compiled, viewed in place once it is opened. Opening checks every index,
+//! count and number that a reader relies on, so that later code need not.
+
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use enfilade_importers::{Role, Semantic};
+
+use super::FormatError;
+use super::container::{self, NewSection, SectionEntry};
+use super::records::{
+    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, ElementRecord, LANES, LightRecord, MaterialRecord,
+    NodeRecord, RoomRecord, SceneRecord, Text, Traits, TriangleRecord, VolumeRecord,
+};
+use super::storage::{Storage, View};
+use crate::trace::NONE;
+
+/// Deepest hierarchy of boxes that a kernel's stack is made for.
+pub(crate) const MAX_DEPTH: u32 = 24;
+
+/// Coordinates beyond this, metres, are no building.
+const FARTHEST: f64 = 1e13;
+
+macro_rules! sections {
+    ($($(#[$doc:meta])* $field:ident: $item:ty;)*) => {
+        /// The tables of a scene that is being compiled.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Tables { $($(#[$doc])* pub $field: Vec<$item>,)* }
+
+        /// The tables of an opened scene, in place.
+        pub(crate) struct Views { $(pub $field: View<$item>,)* }
+
+        impl Tables {
+            fn sections(&self) -> Vec<NewSection<'_>> {
+                vec![$(NewSection {
+                    name: stringify!($field),
+                    required: true,
+                    item_size: size_of::<$item>(),
+                    bytes: bytemuck::cast_slice(&self.$field),
+                },)*]
+            }
+        }
+
+        impl Views {
+            const KNOWN: &'static [&'static str] = &[$(stringify!($field),)*];
+
+            fn find(storage: &Arc<Storage>, table: &[SectionEntry]) -> Result<Views, FormatError> {
+                Ok(Views { $($field: view(storage, table, stringify!($field))?,)* })
+            }
+        }
+    };
+}
+
+sections! {
+    /// One record about the whole.
+    scene: SceneRecord;
+    /// UTF-8.
+    strings: u8;
+    /// JSON: tool, version, options, hash of the source, counts.
+    provenance: u8;
+    /// Elements.
+    elements: ElementRecord;
+    /// Rooms.
+    rooms: RoomRecord;
+    /// Cells.
+    cells: CellRecord;
+    /// Materials.
+    materials: MaterialRecord;
+    /// Lights.
+    lights: LightRecord;
+    /// Cameras.
+    cameras: CameraRecord;
+    /// Vertices, internal frame, metres.
+    vertices: [f64; 3];
+    /// Triangles.
+    triangles: TriangleRecord;
+    /// Inner nodes of the hierarchies of boxes.
+    nodes: NodeRecord;
+    /// Their leaves.
+    blocks: BlockRecord;
+    /// Closed components.
+    volumes: VolumeRecord;
+    /// For each cube of the locator (x fastest) the first of its items, and the end of the last.
+    locator: u32;
+    /// Volumes that may hold points of a cube; with the top bit set, that hold all of them.
+    located: u32;
+}
+
+/// The bit of an item of the section `located` that marks a volume that holds the whole cube.
+pub(crate) const WHOLE_BIT: u32 = 1 << 31;
+
+impl Tables {
+    /// The file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        container::write(&self.sections())
+    }
+
+    /// Adds a text to the section `strings`.
+    pub fn text(&mut self, text: &str) -> Text {
+        let start = self.strings.len() as u32;
+        self.strings.extend_from_slice(text.as_bytes());
+        Text { start, len: text.len() as u32 }
+    }
+}
+
+fn view<T: Pod>(
+    storage: &Arc<Storage>,
+    table: &[SectionEntry],
+    name: &'static str,
+) -> Result<View<T>, FormatError> {
+    let entry = table.iter().find(|e| e.name() == name).ok_or(FormatError::Missing(name))?;
+    if entry.item_size != size_of::<T>() as u64 {
+        let text = format!("section '{name}' has items of {} bytes, not {}", entry.item_size, size_of::<T>());
+        return Err(FormatError::Table(text));
+    }
+    View::new(storage, entry.offset as usize..(entry.offset + entry.len) as usize)
+}
+
+impl Views {
+    /// The tables in `storage`. With `checked`, checksums, indices and numbers are checked; without, only what keeps
+    /// memory safe by construction (the table itself) is.
+    pub(crate) fn open(storage: Storage, checked: bool) -> Result<Views, FormatError> {
+        let storage = Arc::new(storage);
+        let table = container::read_table(storage.bytes())?;
+        for entry in &table {
+            let known = Views::KNOWN.contains(&entry.name().as_str());
+            if !known && entry.flags & SectionEntry::REQUIRED != 0 {
+                return Err(FormatError::Unknown(entry.name()));
+            }
+            if known && checked {
+                container::section(storage.bytes(), entry)?;
+            }
+        }
+        let views = Views::find(&storage, &table)?;
+        if views.scene.len() != 1 {
+            return Err(FormatError::Table(format!("{} scene records", views.scene.len())));
+        }
+        if checked {
+            Check(&views).all()?;
+        }
+        Ok(views)
+    }
+}
+
+/// Checks that every table keeps what the format promises.
+struct Check<'a>(&'a Views);
+
+impl Check<'_> {
+    fn all(&self) -> Result<(), FormatError> {
+        self.scene()?;
+        self.building()?;
+        self.looks()?;
+        self.triangles()?;
+        self.volumes()?;
+        self.locator()?;
+        self.hierarchy()
+    }
+
+    fn text(&self, section: &'static str, item: usize, text: Text) -> Result<(), FormatError> {
+        let end = u64::from(text.start) + u64::from(text.len);
+        let bytes = self.0.strings.get(text.start as usize..end as usize);
+        ensure(bytes.is_some_and(|b| std::str::from_utf8(b).is_ok()), section, item, || {
+            format!("text {}..{end} is no text", text.start)
+        })
+    }
+
+    fn scene(&self) -> Result<(), FormatError> {
+        let scene = &self.0.scene[0];
+        let check = |ok: bool, what: &str| ensure(ok, "scene", 0, || what.to_owned());
+        check(scene.unit.is_finite() && scene.unit > 0.0, "the unit is no positive number")?;
+        check(scene.up == 1 || scene.up == 2, "the up axis is neither Y nor Z")?;
+        check(scene.offset.iter().all(|c| within(*c)), "the offset is no number")?;
+        check(is_box(scene.hull), "the hull is no box")?;
+        check(scene.center.iter().all(|c| within(*c)), "the center is no number")?;
+        check(scene.tolerance >= 0.0 && within(scene.tolerance), "the tolerance is no number")?;
+        check(scene.slack >= 0.0 && scene.slack.is_finite(), "the slack is no number")?;
+        check(scene.traits & !Traits::ALL == 0, "unknown traits")
+    }
+
+    fn building(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        let elements = v.elements.len();
+        let optional = |index: u32, count: usize| index == NONE || (index as usize) < count;
+        for (i, e) in v.elements.iter().enumerate() {
+            for text in [e.id, e.name, e.path, e.class, e.storey] {
+                self.text("elements", i, text)?;
+            }
+            let end = u64::from(e.first_triangle) + u64::from(e.triangle_count);
+            ensure(end <= v.triangles.len() as u64, "elements", i, || format!("triangles up to {end}"))?;
+            ensure(Semantic::from_number(e.semantic).is_some(), "elements", i, || {
+                format!("semantic {}", e.semantic)
+            })?;
+            ensure(Role::from_number(e.role).is_some(), "elements", i, || format!("role {}", e.role))?;
+            for other in [e.host, e.filling, e.opening] {
+                ensure(optional(other, elements), "elements", i, || format!("element {other}"))?;
+            }
+        }
+        for (i, r) in v.rooms.iter().enumerate() {
+            ensure((r.element as usize) < elements, "rooms", i, || format!("element {}", r.element))?;
+            ensure(is_box(r.bounds), "rooms", i, || "the bounds are no box".to_owned())?;
+            ensure(r.volume.is_finite() && r.floor_area.is_finite(), "rooms", i, || "not finite".to_owned())?;
+        }
+        ensure(!v.cells.is_empty(), "cells", 0, || "there is none".to_owned())?;
+        for (i, c) in v.cells.iter().enumerate() {
+            ensure(is_box(c.bounds), "cells", i, || "the bounds are no box".to_owned())?;
+            ensure(Semantic::from_number(c.semantic).is_some(), "cells", i, || {
+                format!("semantic {}", c.semantic)
+            })?;
+            ensure(optional(c.room, v.rooms.len()), "cells", i, || format!("room {}", c.room))?;
+            ensure(optional(c.root, v.nodes.len()), "cells", i, || format!("node {}", c.root))?;
+        }
+        Ok(())
+    }
+
+    fn looks(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        for (i, m) in v.materials.iter().enumerate() {
+            self.text("materials", i, m.name)?;
+            let numbers = [m.alpha, m.metallic, m.roughness, m.ior, m.transmission];
+            let ok = m.base_color.iter().chain(&m.emissive).chain(&numbers).all(|c| c.is_finite());
+            ensure(ok, "materials", i, || "not finite".to_owned())?;
+        }
+        for (i, l) in v.lights.iter().enumerate() {
+            self.text("lights", i, l.name)?;
+            let ok =
+                l.position.iter().chain(&l.direction).all(|c| within(*c)) && !l.range.is_nan() && l.kind <= 2;
+            ensure(ok, "lights", i, || "not a light".to_owned())?;
+        }
+        for (i, c) in v.cameras.iter().enumerate() {
+            self.text("cameras", i, c.name)?;
+            let ok = c.eye.iter().chain(&c.direction).chain(&c.up).all(|c| within(*c))
+                && c.vfov > 0.0
+                && c.vfov < 180.0;
+            ensure(ok, "cameras", i, || "not a camera".to_owned())?;
+        }
+        Ok(())
+    }
+
+    fn triangles(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        if let Some(i) = v.vertices.iter().position(|p| !p.iter().all(|c| within(*c))) {
+            return invalid("vertices", i, "not finite".to_owned());
+        }
+        for (i, t) in v.triangles.iter().enumerate() {
+            let ok = t.vertices.iter().all(|&p| (p as usize) < v.vertices.len())
+                && (t.element as usize) < v.elements.len()
+                && (t.material as usize) < v.materials.len()
+                && (t.volume == NONE || (t.volume as usize) < v.volumes.len());
+            ensure(ok, "triangles", i, || format!("{t:?} refers to what is not there"))?;
+        }
+        let detail = v.scene[0].detail_triangles as usize;
+        ensure(detail <= v.triangles.len(), "scene", 0, || format!("{detail} detail triangles"))
+    }
+
+    fn volumes(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        for (i, volume) in v.volumes.iter().enumerate() {
+            let end = u64::from(volume.first_triangle) + u64::from(volume.triangle_count);
+            let ok = end <= v.triangles.len() as u64
+                && (volume.element as usize) < v.elements.len()
+                && (volume.room == NONE || (volume.room as usize) < v.rooms.len())
+                && matches!(Role::from_number(volume.role), Some(Role::Solid | Role::Air))
+                && volume.by_winding <= 1
+                && is_box(volume.bounds)
+                && volume.measure.is_finite();
+            ensure(ok, "volumes", i, || format!("{volume:?} refers to what is not there"))?;
+        }
+        Ok(())
+    }
+
+    fn locator(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        let scene = &v.scene[0];
+        let ok = scene.locator_origin.iter().all(|c| within(*c))
+            && scene.locator_step > 0.0
+            && scene.locator_step.is_finite();
+        ensure(ok, "scene", 0, || "the locator is no grid".to_owned())?;
+        let cubes = scene.locator_dims.iter().try_fold(1u64, |n, &d| n.checked_mul(u64::from(d)));
+        let starts = v.locator.len() as u64;
+        ensure(cubes.is_some_and(|n| n < u64::from(u32::MAX) && n + 1 == starts), "locator", 0, || {
+            format!("{starts} starts for {:?} cubes", scene.locator_dims)
+        })?;
+        let ordered = v.locator.windows(2).all(|w| w[0] <= w[1])
+            && v.locator[0] == 0
+            && v.locator[v.locator.len() - 1] as usize == v.located.len();
+        ensure(ordered, "locator", 0, || "the starts do not ascend".to_owned())?;
+        match v.located.iter().position(|&item| (item & !WHOLE_BIT) as usize >= v.volumes.len()) {
+            Some(i) => invalid("located", i, format!("volume {}", v.located[i] & !WHOLE_BIT)),
+            None => Ok(()),
+        }
+    }
+
+    /// Every node but the roots is the child of exactly one node before it, and no chain is longer than the kernels'
+    /// stacks allow: so every walk ends.
+    fn hierarchy(&self) -> Result<(), FormatError> {
+        let v = self.0;
+        let mut depth = vec![0u32; v.nodes.len()];
+        for cell in v.cells.iter().filter(|c| c.root != NONE) {
+            depth[cell.root as usize] = 1;
+        }
+        let mut used = vec![false; v.blocks.len()];
+        for (i, node) in v.nodes.iter().enumerate() {
+            ensure(depth[i] > 0, "nodes", i, || "no earlier node or cell refers to it".to_owned())?;
+            ensure(depth[i] <= MAX_DEPTH, "nodes", i, || "nested too deeply".to_owned())?;
+            for lane in 0..LANES {
+                let child = node.child[lane];
+                let bounds = |axis: usize| (node.lo[axis][lane], node.hi[axis][lane]);
+                let empty = (0..3).all(|axis| bounds(axis) == (f32::INFINITY, f32::NEG_INFINITY));
+                let full =
+                    (0..3).all(|axis| matches!(bounds(axis), (lo, hi) if lo <= hi && (hi - lo).is_finite()));
+                let ok = if child == NONE { empty } else { full };
+                ensure(ok, "nodes", i, || format!("the box of lane {lane} is none"))?;
+                if child == NONE {
+                    continue;
+                }
+                if child & BLOCK_BIT != 0 {
+                    let block = (child & !BLOCK_BIT) as usize;
+                    let fresh = used.get_mut(block).is_some_and(|u| !std::mem::replace(u, true));
+                    ensure(fresh, "nodes", i, || format!("block {block} is not there, or not its own"))?;
+                } else {
+                    let fresh = child as usize > i && depth.get(child as usize) == Some(&0);
+                    ensure(fresh, "nodes", i, || format!("child {child} is not there, or not its own"))?;
+                    depth[child as usize] = depth[i] + 1;
+                }
+            }
+        }
+        let detail = v.scene[0].detail_triangles;
+        for (i, block) in v.blocks.iter().enumerate() {
+            for lane in 0..LANES {
+                let triangle = block.triangle[lane];
+                if triangle == NONE {
+                    let empty = block.corner[0][lane].is_nan() && block.edge1[0][lane].is_nan();
+                    ensure(empty && block.edge2[0][lane].is_nan(), "blocks", i, || {
+                        format!("lane {lane} is not empty")
+                    })?;
+                } else {
+                    ensure(triangle < detail, "blocks", i, || format!("triangle {triangle}"))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn within(c: f64) -> bool {
+    c.abs() <= FARTHEST
+}
+
+fn is_box(bounds: [[f64; 3]; 2]) -> bool {
+    (0..3)
+        .all(|axis| within(bounds[0][axis]) && within(bounds[1][axis]) && bounds[0][axis] <= bounds[1][axis])
+}
+
+fn invalid(section: &'static str, item: usize, what: String) -> Result<(), FormatError> {
+    Err(FormatError::Invalid { section, item: item as u64, what })
+}
+
+fn ensure(
+    ok: bool,
+    section: &'static str,
+    item: usize,
+    what: impl FnOnce() -> String,
+) -> Result<(), FormatError> {
+    if ok { Ok(()) } else { invalid(section, item, what()) }
+}

@@ -1,0 +1,217 @@
+//! A building being drawn: boxes of space painted with elements, details put into the air, then closed volumes made
+//! of it all.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::importers::{Camera, Light, LightKind, Semantic};
+
+use super::building::{Building, Element, Face, Kind, vector_area};
+use super::flush::mark_flush_details;
+use super::global_id::global_id;
+use super::lattice::{Cuboid, Point, point_metres};
+use super::palette::{self, Look};
+use super::patches::{Facing, Patch, Surface, patches};
+use super::plan::Plan;
+
+/// A building being drawn.
+pub struct Draft {
+    seed: u64,
+    name: &'static str,
+    hull: Cuboid,
+    elements: Vec<Element>,
+    looks: Vec<Look>,
+    painted: Vec<(Cuboid, Option<u32>)>,
+    details: Vec<(u32, Plan)>,
+    lights: Vec<Light>,
+    cameras: Vec<Camera>,
+}
+
+impl Draft {
+    /// The air outside: the first element.
+    pub const EXTERIOR: u32 = 0;
+
+    /// An empty building: the whole of `hull` is exterior.
+    pub fn new(name: &'static str, seed: u64, hull: Cuboid) -> Draft {
+        let mut draft = Draft {
+            seed,
+            name,
+            hull,
+            elements: Vec::new(),
+            looks: Vec::new(),
+            painted: Vec::new(),
+            details: Vec::new(),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+        };
+        let exterior =
+            draft.element(Kind::Exterior, Semantic::Exterior, "IfcExternalSpatialElement", "EXTERIOR");
+        // The class stands for more than air outside, so the meaning is written out.
+        draft.extra(exterior, "semantic", "EXTERIOR");
+        draft.elements[exterior as usize].storey = None;
+        draft.paint(exterior, hull);
+        draft
+    }
+
+    /// Adds an element without space yet.
+    pub fn element(&mut self, kind: Kind, semantic: Semantic, class: &str, name: &str) -> u32 {
+        let index = self.elements.len() as u32;
+        self.elements.push(Element {
+            kind,
+            semantic,
+            class: class.to_owned(),
+            name: name.to_owned(),
+            global_id: global_id(self.seed, &format!("{}/{class}:{name}", self.name)),
+            storey: Some("Ground floor".to_owned()),
+            host: None,
+            filling: None,
+            opening: None,
+            extras: BTreeMap::new(),
+            points: Vec::new(),
+            faces: Vec::new(),
+        });
+        self.looks.push(Look::default());
+        index
+    }
+
+    /// Sets what an element's faces are made of.
+    pub fn look(&mut self, element: u32, look: Look) {
+        self.looks[element as usize] = look;
+    }
+
+    /// Sets a word of metadata.
+    pub fn extra(&mut self, element: u32, key: &str, value: &str) {
+        self.elements[element as usize].extras.insert(key.to_owned(), value.to_owned());
+    }
+
+    /// Links an opening with the element that it pierces and the door or window that fills it.
+    pub fn fill(&mut self, host: u32, opening: u32, filling: Option<u32>) {
+        self.elements[opening as usize].host = Some(host);
+        self.elements[opening as usize].filling = filling;
+        if let Some(filling) = filling {
+            self.elements[filling as usize].host = Some(host);
+            self.elements[filling as usize].opening = Some(opening);
+        }
+    }
+
+    /// Gives a box of space to an element, and takes it from whatever had it.
+    pub fn paint(&mut self, element: u32, cuboid: Cuboid) {
+        self.painted.push((cuboid, Some(element)));
+    }
+
+    /// Adds a part to a detail. The labels of `plan` are materials.
+    pub fn detail(&mut self, element: u32, plan: Plan) {
+        self.details.push((element, plan));
+    }
+
+    /// Adds a point light of white light.
+    pub fn point_light(&mut self, name: &str, at: Point, candela: f32) {
+        self.lights.push(Light {
+            name: name.to_owned(),
+            kind: LightKind::Point,
+            position: point_metres(at),
+            direction: [0.0, 0.0, -1.0],
+            color: palette::LAMP_LIGHT,
+            intensity: candela,
+            range: f64::INFINITY,
+        });
+    }
+
+    /// Adds an upright camera; points in metres, not one over the other.
+    pub fn camera(&mut self, name: &str, eye: [f64; 3], target: [f64; 3], vfov_degrees: f64) {
+        let direction = unit([target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]]);
+        let right = unit([direction[1], -direction[0], 0.0]);
+        let up = unit([
+            right[1] * direction[2] - right[2] * direction[1],
+            right[2] * direction[0] - right[0] * direction[2],
+            right[0] * direction[1] - right[1] * direction[0],
+        ]);
+        self.cameras.push(Camera { name: name.to_owned(), eye, direction, up, vfov_degrees });
+    }
+
+    /// Makes the volumes.
+    pub fn finish(mut self) -> Building {
+        let plan = Plan::of_boxes(&self.painted);
+        let of_volumes = patches(&plan, &|own, beyond, facing| Some(self.surface(own, beyond, facing)));
+        let mut found: Vec<Vec<Patch>> = vec![Vec::new(); self.elements.len()];
+        for patch in of_volumes {
+            found[patch.surface.element as usize].push(patch);
+        }
+        for (element, plan) in &self.details {
+            // Where two materials of one detail meet there is no face.
+            let of_detail = patches(plan, &|material, beyond, _| {
+                beyond.is_none().then_some(Surface { element: *element, material, beyond: None })
+            });
+            found[*element as usize].extend(of_detail);
+        }
+        for (element, patches) in self.elements.iter_mut().zip(found) {
+            close(element, patches);
+        }
+        mark_flush_details(&mut self.elements);
+        Building {
+            name: self.name.to_owned(),
+            hull: [self.hull.lo, self.hull.hi],
+            elements: self.elements,
+            materials: palette::materials(),
+            lights: self.lights,
+            cameras: self.cameras,
+        }
+    }
+
+    /// The material of a face of the volume `own` that looks at `beyond`, and what it is joined with.
+    fn surface(&self, own: u32, beyond: Option<u32>, facing: Facing) -> Surface {
+        let look = self.looks[own as usize];
+        let is_air = |e: u32| self.elements[e as usize].kind.is_air();
+        if is_air(own) {
+            return Surface { element: own, material: palette::AIR, beyond: None };
+        }
+        let beyond = beyond.filter(|&e| is_air(e));
+        let material = beyond.map_or(look.core, |air| {
+            let around = self.looks[air as usize];
+            match (self.elements[air as usize].kind, facing) {
+                (Kind::Exterior, Facing::Up) => look.top,
+                (Kind::Exterior, _) => look.outside,
+                (_, Facing::Up) => around.floor,
+                (_, Facing::Down) => around.ceiling,
+                (_, Facing::Aside) => look.inside.unwrap_or(around.walls),
+            }
+        });
+        Surface { element: own, material, beyond }
+    }
+}
+
+/// Makes an element's mesh of its faces. Points that are a corner of no face of the element are left out; all others
+/// stay in every loop that goes through them, so that faces meet along whole edges.
+fn close(element: &mut Element, patches: Vec<Patch>) {
+    let mut corners = BTreeSet::new();
+    for ring in patches.iter().flat_map(|patch| &patch.loops) {
+        for i in 0..ring.len() {
+            let [before, at, after] = [0, 1, 2].map(|k| ring[(i + k) % ring.len()]);
+            if vector_area(&[before, at, after]) != [0; 3] {
+                corners.insert(at);
+            }
+        }
+    }
+    let mut indices: BTreeMap<Point, u32> = BTreeMap::new();
+    for patch in patches {
+        let points = &mut element.points;
+        let mut index = |p: Point| {
+            *indices.entry(p).or_insert_with(|| {
+                points.push(p);
+                points.len() as u32 - 1
+            })
+        };
+        let mut kept = |ring: Vec<Point>| -> Vec<u32> {
+            ring.into_iter().filter(|p| corners.contains(p)).map(&mut index).collect()
+        };
+        let loops = patch.loops.into_iter().map(&mut kept).collect();
+        let Surface { material, beyond, .. } = patch.surface;
+        let seen = beyond.is_some() || element.kind == Kind::Detail;
+        element.faces.push(Face { loops, material, beyond, seen });
+    }
+}
+
+/// The vector of length 1 in the direction of `v`. Only operations that round the same everywhere.
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / length + 0.0)
+}

@@ -1,0 +1,45 @@
+//! Buildings on demand, whose truth is known.
+//!
+//! A generated [`Building`] is made of closed, tagged volumes that fill a box of space exactly and overlap nowhere:
+//! rooms, openings, walls, slabs, the exterior; and of details that stand in its air: doors, windows, furniture.
+//! The same options give the same bytes on every machine.
+//!
+//! ```
+//! use enfilade::generate::{HouseOptions, house};
+//!
+//! let house = house(&HouseOptions::default());
+//! let rooms = house.elements.iter().filter(|e| e.class == "IfcSpace");
+//! assert_eq!(rooms.count(), 8);
+//! let glb: Vec<u8> = house.to_glb();
+//! assert!(glb.starts_with(b"glTF"));
+//! ```
+//!
+//! How it works: [`house`] paints labels into boxes of space (`draft`, `plan`); where labels meet there are faces,
+//! joined to polygons with holes (`patches`, `outline`); the writers cut these up (`triangulate`).
+
+mod building;
+mod draft;
+mod flush;
+mod furnish;
+mod furniture;
+mod global_id;
+mod house;
+mod joinery;
+mod lattice;
+mod outline;
+mod palette;
+mod patches;
+mod plan;
+mod to_model;
+mod triangulate;
+mod write;
+mod write_glb;
+mod write_obj;
+
+#[cfg(test)]
+mod tests;
+
+pub use building::{Building, Element, Face, Kind};
+pub use house::{HouseOptions, house};
+pub use lattice::{PER_METRE, Point, metres};
+pub use write::{WriteError, write};

@@ -1,0 +1,127 @@
+//! Writing a building to a file.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::building::Building;
+
+/// How many names for the temporary file are tried.
+const ATTEMPTS: u32 = 100;
+
+/// A building could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The name says no format.
+    #[error("{}: the name must end in .glb or .obj", .0.display())]
+    Format(PathBuf),
+    /// The name cannot stand in an OBJ file.
+    #[error("{}: the name of an .obj must be Unicode, without blanks at its ends, line ends and #", .0.display())]
+    Name(PathBuf),
+    /// The system refused.
+    #[error("{}: {source}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+/// Writes a building as the name's end says: `.glb`, or `.obj` with its `.mtl` beside it. A file of that name is
+/// replaced, at once: whoever reads sees the old bytes or the new ones.
+///
+/// # Errors
+/// Another ending, or the system refuses. Then no file of that name has changed, but with `.obj` the `.mtl` may
+/// have.
+pub fn write(building: &Building, path: &Path) -> Result<(), WriteError> {
+    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match ending.as_deref() {
+        Some("glb") => replace(path, &building.to_glb()),
+        Some("obj") => {
+            let mtl_path = path.with_extension("mtl");
+            let name = mtl_path.file_name().and_then(|n| n.to_str()).filter(|n| is_plain(n));
+            let name = name.ok_or_else(|| WriteError::Name(path.to_owned()))?;
+            let (obj, mtl) = building.to_obj(name);
+            replace(&mtl_path, mtl.as_bytes())?;
+            replace(path, obj.as_bytes())
+        }
+        _ => Err(WriteError::Format(path.to_owned())),
+    }
+}
+
+/// Whether readers of OBJ take a name after `mtllib` for what it is.
+fn is_plain(name: &str) -> bool {
+    name.trim() == name && !name.contains(['\n', '\r', '#', '\\'])
+}
+
+/// Writes a file beside its final place, then moves it there.
+fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let fail = |source| WriteError::Io { path: path.to_owned(), source };
+    let (mut file, temporary) = create_beside(path).map_err(fail)?;
+    let written = file.write_all(bytes).and_then(|()| file.sync_all());
+    drop(file);
+    let moved = written.and_then(|()| fs::rename(&temporary, path));
+    moved.map_err(|error| {
+        // The first error tells more than one about the clean-up would.
+        let _ = fs::remove_file(&temporary);
+        fail(error)
+    })
+}
+
+/// A new file in the folder of `path`.
+fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
+    let mut taken = io::Error::from(io::ErrorKind::AlreadyExists);
+    for attempt in 0..ATTEMPTS {
+        let mut name = OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(format!(".{}-{attempt}.tmp", std::process::id()));
+        let temporary = path.with_file_name(name);
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Ok(file) => return Ok((file, temporary)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => taken = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{HouseOptions, house};
+
+    #[test]
+    fn files_are_replaced_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let building = house(&HouseOptions::default());
+        for name in ["a.glb", "b.OBJ"] {
+            fs::write(folder.path().join(name), "old").unwrap();
+            write(&building, &folder.path().join(name)).unwrap();
+        }
+        let mut names: Vec<_> =
+            fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["a.glb", "b.OBJ", "b.mtl"]);
+        assert_eq!(fs::read(folder.path().join("a.glb")).unwrap(), building.to_glb());
+        let obj = fs::read_to_string(folder.path().join("b.OBJ")).unwrap();
+        assert!(obj.lines().any(|line| line == "mtllib b.mtl"));
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let building = house(&HouseOptions { furniture: false, ..HouseOptions::default() });
+        let no_format = write(&building, Path::new("house.step")).unwrap_err();
+        assert_eq!(no_format.to_string(), "house.step: the name must end in .glb or .obj");
+        assert!(matches!(write(&building, Path::new("a#b.obj")), Err(WriteError::Name(_))));
+        // A folder in the way: the temporary file goes again.
+        let taken = folder.path().join("x.glb");
+        fs::create_dir(&taken).unwrap();
+        let error = write(&building, &taken).unwrap_err();
+        assert!(matches!(&error, WriteError::Io { path, .. } if *path == taken), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

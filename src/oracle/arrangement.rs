@@ -1,0 +1,250 @@
+//! Where to look for witnesses: one point in every face of a small arrangement of segments.
+//!
+//! Seen along the ray, the edges near it are segments in the plane, and the ray is the origin. Which surfaces a
+//! parallel ray meets, and in which order, changes only across these segments, so one point of each face that they cut
+//! out of the disc of the tolerance stands for all its points. Every face touches the middle of some segment's
+//! nearest part, or a vertex of the arrangement: points on both sides of the former, and between each two neighbours
+//! around the latter, are all that is needed.
+
+/// A point of the plane.
+pub(crate) type Point = [f64; 2];
+
+/// Segments looked at; the nearest ones if there are more.
+const SEGMENTS: usize = 64;
+
+/// Points returned; the nearest ones if there are more.
+const POINTS: usize = 4096;
+
+/// The segments that meet a disc around the origin.
+#[derive(Clone, Debug)]
+pub(crate) struct Arrangement {
+    radius: f64,
+    step: f64,
+    segments: Vec<[Point; 2]>,
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// `a + s b`.
+fn along(a: Point, s: f64, b: Point) -> Point {
+    [a[0] + s * b[0], a[1] + s * b[1]]
+}
+
+fn norm(a: Point) -> f64 {
+    (a[0] * a[0] + a[1] * a[1]).sqrt()
+}
+
+fn cross(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn unit(a: Point) -> Option<Point> {
+    let length = norm(a);
+    (length > 0.0).then(|| [a[0] / length, a[1] / length])
+}
+
+/// The point of the segment that is nearest to `from`.
+fn foot([p, q]: [Point; 2], from: Point) -> Point {
+    let way = minus(q, p);
+    let square = way[0] * way[0] + way[1] * way[1];
+    if square == 0.0 {
+        return p;
+    }
+    let to = minus(from, p);
+    let share = (to[0] * way[0] + to[1] * way[1]) / square;
+    if share <= 0.0 {
+        p
+    } else if share >= 1.0 {
+        q
+    } else {
+        along(p, share, way)
+    }
+}
+
+/// Grows with the angle from the x axis, without the rounding of an arc tangent.
+fn turn(d: Point) -> f64 {
+    let slope = d[1] / (d[0].abs() + d[1].abs());
+    if d[0] < 0.0 { 2.0 - slope } else { slope }
+}
+
+impl Arrangement {
+    /// The disc. Points keep `step` away from the segments (and a thousand times that, where there is room).
+    pub(crate) fn new(radius: f64, step: f64) -> Arrangement {
+        Arrangement { radius, step, segments: Vec::new() }
+    }
+
+    /// Adds a segment, if it meets the disc.
+    pub(crate) fn add(&mut self, segment: [Point; 2]) {
+        if norm(foot(segment, [0.0; 2])) <= self.radius {
+            self.segments.push(segment);
+        }
+    }
+
+    /// Adds the part in the disc of the line `normal . x = offset`.
+    pub(crate) fn add_line(&mut self, normal: Point, offset: f64) {
+        let length = norm(normal);
+        let distance = offset / length;
+        if length > 1e-9 && distance.abs() <= self.radius {
+            let n = [normal[0] / length, normal[1] / length];
+            let half = (self.radius * self.radius - distance * distance).max(0.0).sqrt();
+            let middle = [n[0] * distance, n[1] * distance];
+            let way = [-n[1], n[0]];
+            self.segments.push([along(middle, -half, way), along(middle, half, way)]);
+        }
+    }
+
+    /// The origin, then points of all faces of the disc, from the nearest to the farthest.
+    pub(crate) fn points(mut self) -> Vec<Point> {
+        let order = |a: &[Point; 2], b: &[Point; 2]| {
+            let distance = |s: &[Point; 2]| norm(foot(*s, [0.0; 2]));
+            distance(a).total_cmp(&distance(b)).then_with(|| {
+                let flat = |s: &[Point; 2]| [s[0][0], s[0][1], s[1][0], s[1][1]];
+                flat(a)
+                    .iter()
+                    .zip(&flat(b))
+                    .map(|(x, y)| x.total_cmp(y))
+                    .find(|o| o.is_ne())
+                    .unwrap_or(std::cmp::Ordering::Equal)
+            })
+        };
+        for segment in &mut self.segments {
+            // Shared edges come twice, once each way.
+            if (segment[1][0], segment[1][1]) < (segment[0][0], segment[0][1]) {
+                segment.swap(0, 1);
+            }
+        }
+        self.segments.sort_by(order);
+        self.segments.dedup();
+        self.segments.truncate(SEGMENTS);
+
+        let mut points = vec![[0.0; 2]];
+        for &segment in &self.segments {
+            let at = foot(segment, [0.0; 2]);
+            points.push(at);
+            if let Some(way) = unit(minus(segment[1], segment[0])) {
+                for step in self.steps() {
+                    points.push(along(at, step, [-way[1], way[0]]));
+                    points.push(along(at, -step, [-way[1], way[0]]));
+                }
+            }
+        }
+        for vertex in self.vertices() {
+            self.around(vertex, &mut points);
+        }
+        points.retain(|p| norm(*p) <= self.radius);
+        points.sort_by(|a, b| {
+            norm(*a).total_cmp(&norm(*b)).then(a[0].total_cmp(&b[0])).then(a[1].total_cmp(&b[1]))
+        });
+        points.dedup();
+        points.truncate(POINTS);
+        points
+    }
+
+    fn steps(&self) -> [f64; 2] {
+        [self.step, (1000.0 * self.step).min(self.radius / 8.0)]
+    }
+
+    /// Ends and crossings of segments within the disc.
+    fn vertices(&self) -> Vec<Point> {
+        let mut vertices: Vec<Point> = self.segments.iter().flatten().copied().collect();
+        for (i, &[p, q]) in self.segments.iter().enumerate() {
+            for &[r, s] in &self.segments[..i] {
+                let (a, b) = (minus(q, p), minus(s, r));
+                let area = cross(a, b);
+                if area != 0.0 {
+                    let on_first = cross(minus(r, p), b) / area;
+                    let on_second = cross(minus(r, p), a) / area;
+                    if (0.0..=1.0).contains(&on_first) && (0.0..=1.0).contains(&on_second) {
+                        vertices.push(along(p, on_first, a));
+                    }
+                }
+            }
+        }
+        vertices.retain(|v| norm(*v) <= self.radius);
+        vertices
+    }
+
+    /// Points in all sectors around a vertex.
+    fn around(&self, vertex: Point, points: &mut Vec<Point>) {
+        let mut ways: Vec<Point> = Vec::new();
+        for &segment in &self.segments {
+            if norm(minus(foot(segment, vertex), vertex)) <= self.step / 16.0 {
+                for end in segment {
+                    let way = minus(end, vertex);
+                    if norm(way) > self.step / 4.0 {
+                        ways.extend(unit(way));
+                    }
+                }
+            }
+        }
+        ways.sort_by(|a, b| turn(*a).total_cmp(&turn(*b)));
+        for (i, &from) in ways.iter().enumerate() {
+            let to = ways[(i + 1) % ways.len()];
+            // The middle of the turn from one way to the next, counter-clockwise.
+            let turned = cross(from, to);
+            let sum = along(from, 1.0, to);
+            let middle = if norm(sum) < 1e-6 {
+                Some([-from[1], from[0]])
+            } else {
+                unit(if turned < 0.0 || ways.len() == 1 { [-sum[0], -sum[1]] } else { sum })
+            };
+            if let Some(middle) = middle {
+                for step in self.steps() {
+                    points.push(along(vertex, step, middle));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn side(p: Point, [a, b]: [Point; 2]) -> bool {
+        cross(minus(b, a), minus(p, a)) > 0.0
+    }
+
+    #[test]
+    fn without_segments_one_point_will_do() {
+        let mut empty = Arrangement::new(1.0, 1e-6);
+        empty.add([[2.0, -1.0], [2.0, 1.0]]);
+        assert_eq!(empty.points(), [[0.0; 2]]);
+    }
+
+    #[test]
+    fn both_sides_and_beyond_an_end() {
+        let mut one = Arrangement::new(1.0, 1e-6);
+        one.add([[0.25, -0.5], [0.25, 8.0]]);
+        let points = one.points();
+        assert!(points.iter().any(|p| p[0] > 0.25 && p[1] == 0.0 && p[0] < 0.250_002));
+        assert!(points.iter().any(|p| p[1] < -0.5), "{points:?}");
+    }
+
+    proptest! {
+        /// Lines that cut the disc: the points' patterns of sides are all that random points have.
+        #[test]
+        fn every_face_has_a_point(
+            lines in proptest::collection::vec((0.0f64..6.3, -0.9f64..0.9), 1..7),
+            probes in proptest::collection::vec((0.0f64..6.3, 0.0f64..0.95), 200),
+        ) {
+            let mut arrangement = Arrangement::new(1.0, 1e-7);
+            for &(angle, offset) in &lines {
+                arrangement.add_line([angle.cos(), angle.sin()], offset);
+            }
+            let segments = arrangement.segments.clone();
+            let pattern = |p: Point| segments.iter().map(|s| side(p, *s)).collect::<Vec<_>>();
+            let covered: std::collections::BTreeSet<_> =
+                arrangement.points().into_iter().map(pattern).collect();
+            for (angle, radius) in probes {
+                let p = [radius * angle.cos(), radius * angle.sin()];
+                // Faces too small for the steps are not asked for.
+                let clear = segments.iter().all(|s| norm(minus(foot(*s, p), p)) > 1e-3);
+                prop_assert!(!clear || covered.contains(&pattern(p)), "{:?}", p);
+            }
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Exact arithmetic on sums of f64, for the few signs and quotients that plain f64 cannot settle.
+//!
+//! A number is an *expansion*: a sum of f64 that do not overlap, smallest first (Shewchuk, "Adaptive Precision
+//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997). Sums, differences and products are exact
+//! as long as nothing overflows or underflows. This is the slow road, taken by far less than one triangle in a
+//! thousand, so it allocates freely.
+
+/// An exact sum of f64.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Exact(Vec<f64>);
+
+/// `a + b` rounded, and what the rounding lost.
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (sum, (a - a_part) + (b - b_part))
+}
+
+/// `a * b` rounded, and what the rounding lost.
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    (product, a.mul_add(b, -product))
+}
+
+impl Exact {
+    /// `a - b`.
+    pub(crate) fn difference(a: f64, b: f64) -> Exact {
+        let mut exact = Exact::default();
+        exact.add_f64(a);
+        exact.add_f64(-b);
+        exact
+    }
+
+    fn add_f64(&mut self, b: f64) {
+        let mut carry = b;
+        let mut kept = 0;
+        for i in 0..self.0.len() {
+            let (sum, lost) = two_sum(carry, self.0[i]);
+            carry = sum;
+            if lost != 0.0 {
+                self.0[kept] = lost;
+                kept += 1;
+            }
+        }
+        self.0.truncate(kept);
+        if carry != 0.0 {
+            self.0.push(carry);
+        }
+    }
+
+    /// `self + other`.
+    pub(crate) fn plus(mut self, other: &Exact) -> Exact {
+        for &term in &other.0 {
+            self.add_f64(term);
+        }
+        self
+    }
+
+    /// `self - other`.
+    pub(crate) fn minus(mut self, other: &Exact) -> Exact {
+        for &term in &other.0 {
+            self.add_f64(-term);
+        }
+        self
+    }
+
+    /// `self * factor`.
+    pub(crate) fn times_f64(&self, factor: f64) -> Exact {
+        let mut product = Exact::default();
+        for &term in &self.0 {
+            let (high, low) = two_product(term, factor);
+            product.add_f64(low);
+            product.add_f64(high);
+        }
+        product
+    }
+
+    /// `self * other`.
+    pub(crate) fn times(&self, other: &Exact) -> Exact {
+        let mut product = Exact::default();
+        for &term in &other.0 {
+            product = product.plus(&self.times_f64(term));
+        }
+        product
+    }
+
+    /// The nearest f64, to within an ulp.
+    pub(crate) fn value(&self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    /// -1, 0 or 1. The last term outweighs all others.
+    pub(crate) fn sign(&self) -> i32 {
+        match self.0.last() {
+            Some(&last) if last > 0.0 => 1,
+            Some(&last) if last < 0.0 => -1,
+            _ => 0,
+        }
+    }
+}
+
+/// A vector of exact numbers.
+pub(crate) type Exact3 = [Exact; 3];
+
+/// `a - b`.
+pub(crate) fn difference(a: [f64; 3], b: [f64; 3]) -> Exact3 {
+    [0, 1, 2].map(|i| Exact::difference(a[i], b[i]))
+}
+
+/// `a x b`.
+pub(crate) fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].times(&b[j]).minus(&a[j].times(&b[i])))
+}
+
+/// `a . b`.
+pub(crate) fn dot(a: &Exact3, b: &Exact3) -> Exact {
+    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+}
+
+/// `a . b` for a plain `b`.
+pub(crate) fn dot_f64(a: &Exact3, b: [f64; 3]) -> Exact {
+    a[0].times_f64(b[0]).plus(&a[1].times_f64(b[1])).plus(&a[2].times_f64(b[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn keeps_what_f64_loses() {
+        let tiny = 2f64.powi(-80);
+        let sum = Exact::difference(1.0, -tiny).minus(&Exact::difference(1.0, 0.0));
+        assert_eq!((sum.sign(), sum.value()), (1, tiny));
+        let third = Exact::difference(0.1, 0.3);
+        let square = third.times(&third);
+        assert_eq!(square.clone().minus(&third.times(&third)).sign(), 0);
+        assert!((square.value() - 0.04).abs() < 1e-16);
+    }
+
+    proptest! {
+        /// Small integers over a power of two: i128 knows the exact answer.
+        #[test]
+        fn determinants_match_integers(m in proptest::array::uniform9(-(1i64 << 36)..(1i64 << 36))) {
+            let f = |i: usize| m[i] as f64 / 1024.0;
+            let row = |r: usize| difference([f(3 * r), f(3 * r + 1), f(3 * r + 2)], [0.0; 3]);
+            let exact = dot(&cross(&row(0), &row(1)), &row(2));
+            let i = |k: usize| i128::from(m[k]);
+            let det = (i(1) * i(5) - i(2) * i(4)) * i(6)
+                + (i(2) * i(3) - i(0) * i(5)) * i(7)
+                + (i(0) * i(4) - i(1) * i(3)) * i(8);
+            prop_assert_eq!(exact.sign(), det.signum() as i32);
+            let value = det as f64 / (1024.0f64 * 1024.0 * 1024.0);
+            prop_assert!((exact.value() - value).abs() <= value.abs() * 1e-15);
+        }
+    }
+}

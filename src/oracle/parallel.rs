@@ -1,0 +1,14 @@
+//! The same loop with or without the `rayon` feature.
+
+/// `f(0)`, `f(1)`, ... `f(count - 1)`, in that order, made on all cores of the current pool.
+#[cfg(feature = "rayon")]
+pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map(f).collect()
+}
+
+/// `f(0)`, `f(1)`, ... `f(count - 1)`.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..count).map(f).collect()
+}

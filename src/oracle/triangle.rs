@@ -1,0 +1,239 @@
+//! A line against a triangle: the one test that both the brute force and the grid use.
+//!
+//! The line pierces the closed triangle `abc` if it passes the three edges on the same side: the signs of
+//! `d . (b x c)`, `d . (c x a)`, `d . (a x b)` (corners relative to the ray's origin; the Pluecker products of the
+//! line with the edges) do not contradict each other. A sign that f64 cannot settle is taken exactly, so that two
+//! triangles that share an edge or a vertex never leave a gap, and a line through an edge meets both. A line in the
+//! triangle's plane does not pierce it; it meets the neighbours across the edge.
+
+use super::exact;
+use super::vector::{cross, dot, max_abs, sub};
+use crate::trace::Ray;
+
+/// Three corners.
+pub(crate) type Corners = [[f64; 3]; 3];
+
+/// Half the distance from 1 to the next f64.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// Times the square of the largest coordinate: bounds the error of a side that was computed in f64. The sum of
+/// the absolute products is at most `2 sqrt(3) m^2`, each carries at most 7 roundings; the factor is twice that.
+pub(crate) const SIDE_ERROR: f64 = 64.0 * U;
+
+/// A computed `t` is at most this times `1 + |t|` from the exact one.
+pub(crate) const T_ERROR: f64 = 1e-10;
+
+/// A ray with its direction normalised.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub(crate) origin: [f64; 3],
+    pub(crate) direction: [f64; 3],
+    /// The largest coordinate of `origin`, without its sign.
+    pub(crate) reach: f64,
+}
+
+impl Line {
+    /// `None` for what is no ray, see [`Ray::is_valid`].
+    pub(crate) fn new(ray: &Ray) -> Option<Line> {
+        if !ray.is_valid() {
+            return None;
+        }
+        // By the largest component first, so that the squares neither overflow nor vanish.
+        let largest = max_abs(ray.direction);
+        let scaled = ray.direction.map(|c| c / largest);
+        let length = dot(scaled, scaled).sqrt();
+        let direction = scaled.map(|c| c / length);
+        Some(Line { origin: ray.origin, direction, reach: max_abs(ray.origin) })
+    }
+
+    /// The point at `t`.
+    pub(crate) fn at(&self, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.origin[i] + t * self.direction[i])
+    }
+}
+
+/// The largest coordinate of the corners, without its sign.
+pub(crate) fn reach(corners: &Corners) -> f64 {
+    max_abs(corners[0]).max(max_abs(corners[1])).max(max_abs(corners[2]))
+}
+
+/// Where the whole line (both ways from its origin) pierces the triangle: `t` along the normalised direction, to
+/// within [`T_ERROR`]. `reach` is the triangle's, see [`reach`].
+pub(crate) fn pierce(line: &Line, corners: &Corners, reach: f64) -> Option<f64> {
+    let [a, b, c] = corners.map(|corner| sub(corner, line.origin));
+    let d = line.direction;
+    let sides = [dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))];
+    let size = reach + line.reach;
+    let error = SIDE_ERROR * size * size;
+    let low = sides[0].min(sides[1]).min(sides[2]);
+    let high = sides[0].max(sides[1]).max(sides[2]);
+    if low < -error && high > error {
+        return None;
+    }
+    let (mut left, mut right) = (false, false);
+    for (index, side) in sides.into_iter().enumerate() {
+        // Written so that a NaN, from origins beyond all measure, goes to the exact road as well.
+        let sign = if side > error {
+            1
+        } else if side < -error {
+            -1
+        } else {
+            exact_side(line, corners[(index + 1) % 3], corners[(index + 2) % 3])
+        };
+        left |= sign > 0;
+        right |= sign < 0;
+    }
+    if left == right { None } else { distance(line, corners, a) }
+}
+
+/// The sign of `d . ((b - o) x (c - o))`.
+#[cold]
+fn exact_side(line: &Line, b: [f64; 3], c: [f64; 3]) -> i32 {
+    let b = exact::difference(b, line.origin);
+    let c = exact::difference(c, line.origin);
+    exact::dot_f64(&exact::cross(&b, &c), line.direction).sign()
+}
+
+/// `t` of the line in the triangle's plane. `a` is the first corner relative to the origin.
+fn distance(line: &Line, corners: &Corners, a: [f64; 3]) -> Option<f64> {
+    let (e, f) = (sub(corners[1], corners[0]), sub(corners[2], corners[0]));
+    let normal = cross(e, f);
+    let (numerator, denominator) = (dot(normal, a), dot(normal, line.direction));
+    let t = numerator / denominator;
+    // Slivers and grazing rays lose digits: a bound on how many.
+    let error = 64.0 * U * max_abs(e) * max_abs(f);
+    let sure = denominator.abs() - error;
+    if sure > 0.0 && error * (max_abs(a) + t.abs()) <= 0.5 * T_ERROR * (1.0 + t.abs()) * sure {
+        return Some(t);
+    }
+    exact_distance(line, corners)
+}
+
+#[cold]
+fn exact_distance(line: &Line, corners: &Corners) -> Option<f64> {
+    let e = exact::difference(corners[1], corners[0]);
+    let f = exact::difference(corners[2], corners[0]);
+    let normal = exact::cross(&e, &f);
+    let denominator = exact::dot_f64(&normal, line.direction);
+    let numerator = exact::dot(&normal, &exact::difference(corners[0], line.origin));
+    let t = numerator.value() / denominator.value();
+    t.is_finite().then_some(t)
+}
+
+/// The point of the triangle that is nearest to `p` (Ericson, "Real-Time Collision Detection", 5.1.5).
+pub(crate) fn closest_point([a, b, c]: &Corners, p: [f64; 3]) -> [f64; 3] {
+    let (ab, ac) = (sub(*b, *a), sub(*c, *a));
+    let along = |base: [f64; 3], way: [f64; 3], share: f64| [0, 1, 2].map(|i| base[i] + share * way[i]);
+    let ap = sub(p, *a);
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return *a;
+    }
+    let bp = sub(p, *b);
+    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return *b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return along(*a, ab, d1 / (d1 - d3));
+    }
+    let cp = sub(p, *c);
+    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return *c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return along(*a, ac, d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return along(*b, sub(*c, *b), (d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let whole = va + vb + vc;
+    let q = along(*a, ab, vb / whole);
+    along(q, ac, vc / whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::oracle::vector::distance as apart;
+
+    fn hit(ray: Ray, corners: Corners) -> Option<f64> {
+        pierce(&Line::new(&ray).unwrap(), &corners, reach(&corners))
+    }
+
+    const FLOOR: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+
+    #[test]
+    fn inside_edge_vertex_outside() {
+        let down = |x: f64, y: f64| hit(Ray::new([x, y, 3.0], [0.0, 0.0, -2.0]), FLOOR);
+        assert_eq!(down(1.0, 1.0), Some(3.0));
+        assert_eq!(down(2.0, 2.0), Some(3.0), "on the long edge");
+        assert_eq!(down(0.0, 0.0), Some(3.0), "on a vertex");
+        let next = f64::from_bits(2.0f64.to_bits() + 1);
+        assert_eq!(down(2.0, next), None, "one ulp beyond the edge");
+        assert_eq!(down(-1e-300, 1.0), None, "less than any f64 spacing beyond the edge");
+        // Behind the origin counts as negative t, and back sides are hit as well.
+        assert_eq!(hit(Ray::new([1.0, 1.0, -3.0], [0.0, 0.0, -1.0]), FLOOR), Some(-3.0));
+    }
+
+    #[test]
+    fn lines_in_the_plane_do_not_pierce() {
+        assert_eq!(hit(Ray::new([-1.0, 1.0, 0.0], [1.0, 0.0, 0.0]), FLOOR), None);
+        let wall = [[-1.0, 0.0, -1.0], [5.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+        let t = hit(Ray::new([1.0, -1.0, 0.0], [0.0, 1.0, 0.0]), wall);
+        assert_eq!(t, Some(1.0), "the neighbour does");
+    }
+
+    #[test]
+    fn shared_oblique_edges_leave_no_gap() {
+        // Points on an edge that f64 cannot represent: at least one of the two triangles must be hit.
+        let (p, q) = ([0.1, 0.2, 0.3], [7.7, 3.1, 1.9]);
+        let one = [p, q, [5.0, -4.0, 0.7]];
+        let two = [q, p, [2.0, 9.0, 2.1]];
+        for i in 1..2000 {
+            let s = f64::from(i) / 2000.0;
+            let target = [0, 1, 2].map(|k| p[k] + s * (q[k] - p[k]));
+            let origin = [3.3, 2.7, 19.0 + s];
+            let ray = Ray::new(origin, sub(target, origin));
+            assert!(hit(ray, one).is_some() || hit(ray, two).is_some(), "at {s}");
+        }
+    }
+
+    #[test]
+    fn slivers_and_grazing_rays_keep_their_digits() {
+        // A plane z = x / 2^40, in slivers 2^-30 wide; exact t is known.
+        let slope = 2f64.powi(-40);
+        let w = 2f64.powi(-30);
+        let corners = [[0.0, 0.0, 0.0], [1024.0, 0.0, 1024.0 * slope], [1024.0, w, 1024.0 * slope]];
+        let height = 2f64.powi(-33);
+        let t = hit(Ray::new([0.0, w / 16.0, height], [1.0, 0.0, 0.0]), corners).unwrap();
+        assert!((t - 128.0).abs() <= T_ERROR * 129.0, "{t}");
+    }
+
+    #[test]
+    fn directions_of_any_length_and_monstrous_origins() {
+        for scale in [1e-310, 1e-200, 1.0, 1e200, 1e308] {
+            let t = hit(Ray::new([1.0, 1.0, 3.0], [0.0, 0.0, -scale]), FLOOR).unwrap();
+            assert_eq!(t, 3.0);
+        }
+        for big in [1e20, 1e160, f64::MAX] {
+            // No claim but that it ends, without NaN.
+            let t = hit(Ray::new([big, big, big], [-1.0, -1.0, -1.0]), FLOOR);
+            assert!(t.is_none_or(f64::is_finite));
+        }
+    }
+
+    #[test]
+    fn closest_points() {
+        assert_eq!(closest_point(&FLOOR, [1.0, 1.0, 5.0]), [1.0, 1.0, 0.0]);
+        assert_eq!(closest_point(&FLOOR, [-1.0, -1.0, 5.0]), [0.0, 0.0, 0.0]);
+        assert_eq!(closest_point(&FLOOR, [3.0, 3.0, 1.0]), [2.0, 2.0, 0.0]);
+        assert_eq!(closest_point(&FLOOR, [2.0, -7.0, 1.0]), [2.0, 0.0, 0.0]);
+        assert_eq!(closest_point(&FLOOR, [9.0, -1.0, 0.0]), [4.0, 0.0, 0.0]);
+        assert!(apart(closest_point(&FLOOR, [-3.0, 6.0, 0.0]), [0.0, 4.0, 0.0]) < 1e-12);
+    }
+}

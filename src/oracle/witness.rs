@@ -1,0 +1,257 @@
+//! The search for a parallel ray whose exact answer is the answer in question.
+//!
+//! What it finds is proven by tracing that ray; what it looks at decides only how much it finds. See
+//! [`right`](super::right) for the definition.
+
+use enfilade_importers::ElementId;
+
+use super::arrangement::{Arrangement, Point};
+use super::soup::first_t;
+use super::triangle::{Line, closest_point};
+use super::vector::{add, basis, cross, distance, dot, length, max_abs, scale, sub, unit};
+use super::{TrueAnswer, Truth, start};
+use crate::trace::Ray;
+
+/// Points tried for an answer `InSolid`.
+const SOLID_POINTS: usize = 512;
+
+/// An answer to look for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sought {
+    Hit { t: f64, element: ElementId },
+    Escaped,
+}
+
+/// A search for witnesses near one ray.
+pub(crate) struct Search<'a> {
+    truth: &'a Truth,
+    ray: &'a Ray,
+    line: Line,
+    sought: Sought,
+    /// Two directions across the ray.
+    across: [[f64; 3]; 2],
+    /// How far beside an edge a witness passes.
+    step: f64,
+    /// Whether the surface of a carving solid is near the start, so that a shift may matter to what the ray starts in.
+    solid_near: bool,
+    in_solid: bool,
+}
+
+/// The displacement of the nearest point found inside `element` around the start of `ray`; `None` if there is none
+/// within the tolerance.
+pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Option<f64> {
+    let index = truth.solids.binary_search_by_key(&element, |solid| solid.0).ok()?;
+    let body = &truth.solids[index].1;
+    let origin = start(ray)?;
+    let step = step_at(max_abs(origin));
+    let mut shifts = Vec::new();
+    for (q, normal) in body.surface_near(origin, truth.tolerance) {
+        let n = unit(normal);
+        for step in [step, 100.0 * step, 1e4 * step] {
+            for side in [step, -step] {
+                shifts.push(add(sub(q, origin), scale(n, side)));
+            }
+        }
+    }
+    shifts.retain(|shift| length(*shift) <= truth.tolerance);
+    shifts.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
+    let found = shifts.iter().take(SOLID_POINTS).find(|shift| body.contains(add(origin, **shift)));
+    found.map(|shift| length(*shift))
+}
+
+/// A nanometre, or more where coordinates are so large that f64 cannot tell.
+fn step_at(reach: f64) -> f64 {
+    1e-9 * (reach / 1000.0).max(1.0)
+}
+
+impl<'a> Search<'a> {
+    /// `exact` is the exact answer to `ray`.
+    pub(crate) fn new(
+        truth: &'a Truth,
+        ray: &'a Ray,
+        sought: Sought,
+        exact: &TrueAnswer,
+    ) -> Option<Search<'a>> {
+        let line = Line::new(ray)?;
+        let far = match sought {
+            Sought::Hit { t, .. } => max_abs(line.at(t)),
+            Sought::Escaped => 0.0,
+        };
+        let begin = start(ray)?;
+        let solid_near =
+            truth.solids.iter().any(|(_, body)| !body.surface_near(begin, truth.tolerance).is_empty());
+        Some(Search {
+            truth,
+            ray,
+            line,
+            sought,
+            across: basis(line.direction),
+            step: step_at(line.reach.max(far)),
+            solid_near,
+            in_solid: matches!(exact, TrueAnswer::InSolid(_)),
+        })
+    }
+
+    /// The smallest displacement found, metres; `None` if there is none within the tolerance.
+    pub(crate) fn smallest(&self) -> Option<f64> {
+        if self.is_hopeless() {
+            return None;
+        }
+        let (near, ends) = self.surroundings();
+        let mut best: Option<f64> = None;
+        for w in self.places(&near) {
+            let size = (w[0] * w[0] + w[1] * w[1]).sqrt();
+            if best.is_some_and(|best| size >= best) {
+                break;
+            }
+            if let Some(found) = self.try_at(w, size, &ends) {
+                best = Some(best.map_or(found, |best| best.min(found)));
+            }
+        }
+        best
+    }
+
+    /// Whether what any witness needs is missing: a surface of the element near the answer's point, and a way out
+    /// of the solids around the start.
+    fn is_hopeless(&self) -> bool {
+        if self.in_solid && !self.solid_near {
+            return true;
+        }
+        let Sought::Hit { t, element } = self.sought else { return false };
+        let p = self.line.at(t);
+        if !p.iter().all(|c| c.is_finite()) {
+            return true;
+        }
+        let soup = &self.truth.soup;
+        !self
+            .truth
+            .grid
+            .near_point(p)
+            .iter()
+            .any(|&index| soup.element(index) == element && self.is_close(&soup.corners[index as usize], p))
+    }
+
+    fn is_close(&self, corners: &super::triangle::Corners, p: [f64; 3]) -> bool {
+        distance(closest_point(corners, p), p) <= self.truth.tolerance * (1.0 + 1e-6) + self.step
+    }
+
+    /// Where the ray starts and ends.
+    fn levels(&self) -> Vec<f64> {
+        let mut levels = vec![first_t(self.ray), self.ray.tmax];
+        levels.retain(|level| level.is_finite());
+        levels
+    }
+
+    /// The triangles near the line, as far as they matter, and those of the levels that have some near them.
+    fn surroundings(&self) -> (Vec<u32>, Vec<f64>) {
+        let tolerance = self.truth.tolerance;
+        let from = first_t(self.ray) - tolerance;
+        let to = match self.sought {
+            Sought::Hit { t, .. } => t + tolerance,
+            Sought::Escaped => self.ray.tmax + tolerance,
+        };
+        let near = self.truth.near_line(&self.line, from, to);
+        let close = |p| near.iter().any(|&i| self.is_close(&self.truth.soup.corners[i as usize], p));
+        let ends = self.levels().into_iter().filter(|&level| close(self.line.at(level))).collect();
+        (near, ends)
+    }
+
+    /// Shifts across the ray to try, from the smallest to the largest.
+    fn places(&self, near: &[u32]) -> Vec<Point> {
+        let mut arrangement = Arrangement::new(self.truth.tolerance, self.step);
+        let mut levels = self.levels();
+        if let Sought::Hit { t, .. } = self.sought {
+            levels.push(t);
+        }
+        let points: Vec<[f64; 3]> = levels.into_iter().map(|level| self.line.at(level)).collect();
+        let mut direct = Vec::new();
+        for &index in near {
+            let corners = &self.truth.soup.corners[index as usize];
+            let flat = corners.map(|corner| self.project(sub(corner, self.ray.origin)));
+            for i in 0..3 {
+                arrangement.add([flat[i], flat[(i + 1) % 3]]);
+            }
+            // The places where the surface is met exactly at a level: steep there, a small shift moves the hit far.
+            for &p in &points {
+                if self.is_close(corners, p) {
+                    let normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+                    arrangement.add_line(self.project(normal), dot(normal, sub(corners[0], p)));
+                    direct.push(self.project(sub(closest_point(corners, p), p)));
+                }
+            }
+        }
+        let mut places = arrangement.points();
+        places.extend(direct.into_iter().filter(|w| w[0].hypot(w[1]) <= self.truth.tolerance));
+        places.sort_by(|a, b| {
+            let square = |p: &Point| p[0] * p[0] + p[1] * p[1];
+            square(a).total_cmp(&square(b))
+        });
+        places
+    }
+
+    fn project(&self, v: [f64; 3]) -> Point {
+        self.across.map(|axis| dot(axis, v))
+    }
+
+    /// The ray shifted by `w` across and by `s` along itself.
+    fn shifted(&self, w: Point, s: f64) -> Ray {
+        let across = add(scale(self.across[0], w[0]), scale(self.across[1], w[1]));
+        let shift = add(across, scale(self.line.direction, s));
+        Ray { origin: add(self.ray.origin, shift), ..*self.ray }
+    }
+
+    /// The smallest displacement among rays that are shifted by `w` across, whose length is `size`.
+    fn try_at(&self, w: Point, size: f64, ends: &[f64]) -> Option<f64> {
+        let tolerance = self.truth.tolerance;
+        let mut shifts = vec![0.0];
+        for level in ends {
+            for hit in self.truth.hits_between(&self.shifted(w, 0.0), level - tolerance, level + tolerance) {
+                shifts.extend([hit.t - level - self.step, hit.t - level + self.step]);
+            }
+        }
+        shifts.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let mut best: Option<f64> = None;
+        for s in shifts {
+            if best.is_some_and(|best| size.hypot(s) >= best) {
+                break;
+            }
+            if let Some(off) = self.answers(&self.shifted(w, s), s) {
+                let total = size.hypot(s.abs().max(off));
+                if total <= tolerance * (1.0 + 1e-9) && best.is_none_or(|best| total < best) {
+                    best = Some(total);
+                }
+            }
+        }
+        best
+    }
+
+    /// Whether the exact answer to `ray`, which is the ray in question shifted by `s` along itself and perhaps
+    /// across, is the one sought; and how far along the ray the hit is off.
+    fn answers(&self, ray: &Ray, s: f64) -> Option<f64> {
+        let tolerance = self.truth.tolerance;
+        let starts_inside =
+            if self.solid_near { !self.truth.solids_at(start(ray)?).is_empty() } else { self.in_solid };
+        if starts_inside {
+            return None;
+        }
+        match (self.sought, self.truth.nearest(ray)) {
+            (Sought::Escaped, None) => Some(0.0),
+            (Sought::Hit { t, element }, Some(hit)) => {
+                let off = (hit.t + s - t).abs();
+                if off > tolerance {
+                    None
+                } else if hit.element == element {
+                    Some(off)
+                } else {
+                    let flush = self.truth.hits_between(ray, hit.t, hit.t + tolerance);
+                    flush
+                        .iter()
+                        .filter(|other| other.element == element)
+                        .map(|other| (other.t + s - t).abs())
+                        .min_by(f64::total_cmp)
+                }
+            }
+            _ => None,
+        }
+    }
+}

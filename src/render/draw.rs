@@ -1,0 +1,210 @@
+//! From a scene and a camera to a picture.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use enfilade_importers::{Budget, Cancelled, Frame, Limits, OverBudget, Watch};
+
+use super::camera::{Camera, Pinhole};
+use super::color::{ColorMode, IN_SOLID, SKY, linear, ramp};
+use super::picture::{Picture, Pixel};
+use super::shade::shade;
+use crate::scene::Scene;
+use crate::trace::{Place, Start, Want};
+
+/// How to make a picture.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RenderOptions {
+    /// Pixels in a row. Default 1024.
+    pub width: u32,
+    /// Rows. Default 1024.
+    pub height: u32,
+    /// What the colours show.
+    pub color: ColorMode,
+    /// The frame in whose axes [`ColorMode::Normal`] shows normals: the source's own, [`Scene::frame`], or by default
+    /// the internal one.
+    pub frame: Frame,
+    /// The near and the far end of the ramp of [`ColorMode::Depth`], metres. Default: the least and greatest depth.
+    pub depth_range: Option<[f64; 2]>,
+    /// What the picture may cost.
+    pub limits: Limits,
+    /// Progress and cancellation.
+    pub watch: Watch,
+}
+
+impl Default for RenderOptions {
+    fn default() -> RenderOptions {
+        RenderOptions {
+            width: 1024,
+            height: 1024,
+            color: ColorMode::default(),
+            frame: Frame::default(),
+            depth_range: None,
+            limits: Limits::default(),
+            watch: Watch::default(),
+        }
+    }
+}
+
+impl RenderOptions {
+    /// The default options for a picture of `width` by `height` pixels that shows `color`.
+    pub fn new(width: u32, height: u32, color: ColorMode) -> RenderOptions {
+        RenderOptions { width, height, color, ..RenderOptions::default() }
+    }
+}
+
+/// A picture could not be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// It has no pixels.
+    #[error("a picture of {0} x {1} pixels has none")]
+    Empty(u32, u32),
+    /// More memory would be needed than allowed.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+    /// Cancelled through its token.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Pictures are made in squares of this many pixels, whose rays meet much the same things.
+const TILE: u32 = 16;
+
+/// Edge of the squares of what is seen from inside a solid.
+const CHECKER: u32 = 16;
+
+/// The picture that `camera` takes of `scene`.
+///
+/// With the feature `rayon` the work is shared among the threads of the current pool: call it inside
+/// `ThreadPool::install` to use your own. The picture does not depend on it.
+///
+/// From inside a solid there is nothing to be seen: see [`Picture::in_solid`].
+///
+/// # Errors
+/// [`RenderError`].
+pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Picture, RenderError> {
+    let (width, height) = (options.width, options.height);
+    if width == 0 || height == 0 {
+        return Err(RenderError::Empty(width, height));
+    }
+    let count = u64::from(width) * u64::from(height);
+    // The ramp of depth and cost sorts a number per pixel.
+    Budget::new(&options.limits).take_items(count, size_of::<Pixel>() + size_of::<f32>(), "the picture")?;
+    let blank = Pixel::new(&crate::trace::Hit::ESCAPED);
+    let mut pixels = vec![blank; count as usize];
+
+    let place = scene.locate(camera.eye());
+    let job = Job {
+        scene,
+        pinhole: camera.pinhole(width, height),
+        options,
+        // From within a solid each ray must see for itself whether it leaves it within the tolerance.
+        start: if let Place::Air { cell, .. } = place { Start::Cell(cell) } else { Start::Anywhere },
+        bands: height.div_ceil(TILE) as usize,
+        done: AtomicUsize::new(0),
+    };
+    job.fill(&mut pixels)?;
+
+    let scale = match options.color {
+        ColorMode::Depth => color_depth(&mut pixels, options.depth_range),
+        ColorMode::Cost => color_cost(&mut pixels),
+        _ => None,
+    };
+    let in_solid = match place {
+        Place::InSolid(element) if pixels.iter().all(Pixel::is_in_solid) => Some(element),
+        _ => None,
+    };
+    Ok(Picture { width, height, mode: options.color, scale, in_solid, pixels })
+}
+
+/// One picture under way.
+struct Job<'a> {
+    scene: &'a Scene,
+    pinhole: Pinhole,
+    options: &'a RenderOptions,
+    start: Start<'a>,
+    bands: usize,
+    done: AtomicUsize,
+}
+
+impl Job<'_> {
+    /// Fills all pixels, by bands of rows.
+    fn fill(&self, pixels: &mut [Pixel]) -> Result<(), Cancelled> {
+        let band = self.options.width as usize * TILE as usize;
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            pixels.par_chunks_mut(band).enumerate().try_for_each(|(index, rows)| self.fill_band(index, rows))
+        }
+        #[cfg(not(feature = "rayon"))]
+        pixels.chunks_mut(band).enumerate().try_for_each(|(index, rows)| self.fill_band(index, rows))
+    }
+
+    fn fill_band(&self, index: usize, rows: &mut [Pixel]) -> Result<(), Cancelled> {
+        self.options.watch.check()?;
+        let (width, top) = (self.options.width, index as u32 * TILE);
+        let height = (rows.len() / width as usize) as u32;
+        for left in (0..width).step_by(TILE as usize) {
+            for row in 0..height {
+                for x in left..width.min(left.saturating_add(TILE)) {
+                    rows[row as usize * width as usize + x as usize] = self.pixel(x, top + row);
+                }
+            }
+        }
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.options.watch.report("render", done as f64 / self.bands as f64);
+        Ok(())
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> Pixel {
+        let ray = self.pinhole.ray(x, y);
+        let mode = self.options.color;
+        let (hit, cost) = if mode == ColorMode::Cost {
+            let (hit, cost) = self.scene.trace_cost_from(self.start, &ray, Want::default());
+            (hit, cost.total())
+        } else {
+            (self.scene.trace_from(self.start, &ray, Want::default()), 0)
+        };
+        let mut pixel = Pixel { cost, ..Pixel::new(&hit) };
+        pixel.color = if pixel.is_in_solid() {
+            linear(IN_SOLID[((x / CHECKER + y / CHECKER) % 2) as usize])
+        } else {
+            shade(self.scene, &ray, &hit, mode, &self.options.frame)
+        };
+        pixel
+    }
+}
+
+/// Colours the pixels by depth, near ones light. Returns the ends of the ramp: far, near.
+fn color_depth(pixels: &mut [Pixel], range: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let met = pixels.iter().map(|p| p.depth).filter(|d| d.is_finite());
+    let [near, far] = match range {
+        Some(range) => range,
+        None => {
+            let (near, far) = met.fold((f32::INFINITY, 0.0f32), |(lo, hi), d| (lo.min(d), hi.max(d)));
+            near.is_finite().then_some([f64::from(near), f64::from(far)])?
+        }
+    };
+    let size = far - near;
+    for pixel in pixels.iter_mut().filter(|p| p.depth.is_finite()) {
+        let away = f64::from(pixel.depth) - near;
+        pixel.color = ramp(if size > 0.0 { 1.0 - away / size } else { 1.0 });
+    }
+    Some([far, near])
+}
+
+/// Colours the pixels by cost. Returns the ends of the ramp: none, and what all but one ray in a thousand stay under.
+fn color_cost(pixels: &mut [Pixel]) -> Option<[f64; 2]> {
+    let mut costs: Vec<u32> = pixels.iter().filter(|p| !p.is_in_solid()).map(|p| p.cost).collect();
+    if costs.is_empty() {
+        return None;
+    }
+    let rank = costs.len() - 1 - costs.len() / 1000;
+    let most = f64::from((*costs.select_nth_unstable(rank).1).max(1));
+    for pixel in pixels.iter_mut().filter(|p| !p.is_in_solid()) {
+        // Rays that escape cost something too: their sky is shown only where there was nothing to do.
+        pixel.color = if pixel.cost == 0 { linear(SKY) } else { ramp(f64::from(pixel.cost) / most) };
+    }
+    Some([0.0, most])
+}

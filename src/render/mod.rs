@@ -1,0 +1,37 @@
+//! Pictures: from where they are taken, what colours they show, and the files that they are written to.
+//!
+//! ```no_run
+//! use enfilade::Scene;
+//! use enfilade::render::{RenderOptions, auto_view, render, write_png};
+//!
+//! let scene = Scene::open("house.enf".as_ref())?;
+//! let picture = render(&scene, &auto_view(&scene), &RenderOptions::default())?;
+//! write_png(&picture, "house.png".as_ref())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod camera;
+mod camera_file;
+mod color;
+mod draw;
+mod exr;
+mod numbered;
+mod picture;
+mod png;
+mod shade;
+mod stand;
+mod views;
+
+pub use atomic::WriteError;
+pub use camera::{Camera, CameraError, Pinhole};
+pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
+pub use color::{
+    ColorMode, UnknownColorMode, element_color, ramp, room_color, semantic_color, semantic_legend,
+};
+pub use draw::{RenderError, RenderOptions, render};
+pub use exr::write_exr;
+pub use numbered::numbered;
+pub use picture::{Picture, Pixel};
+pub use png::{srgb_bytes, write_png};
+pub use views::{auto_view, outside_view, room_views};

@@ -1,0 +1,29 @@
+//! Pictures as PNG files.
+
+use std::path::Path;
+
+use image::ImageEncoder;
+use image::codecs::png::PngEncoder;
+
+use super::atomic::{self, WriteError};
+use super::color::to_srgb;
+use super::picture::Picture;
+
+/// The colours of a picture as sRGB, three bytes a pixel, rows from the top. Radiance over 1 is cut.
+pub fn srgb_bytes(picture: &Picture) -> Vec<u8> {
+    picture.pixels().iter().flat_map(|p| p.color.map(|c| (to_srgb(c) * 255.0).round() as u8)).collect()
+}
+
+/// Writes the colours of a picture to the PNG file `path`, 8 bits sRGB. The file is there whole or not at all; one
+/// that was there is replaced.
+///
+/// # Errors
+/// [`WriteError`], which names the file.
+pub fn write_png(picture: &Picture, path: &Path) -> Result<(), WriteError> {
+    let bytes = srgb_bytes(picture);
+    atomic::write(path, |writer| {
+        PngEncoder::new(writer)
+            .write_image(&bytes, picture.width(), picture.height(), image::ExtendedColorType::Rgb8)
+            .map_err(|error| error.to_string())
+    })
+}

@@ -1,0 +1,73 @@
+//! Which instruction set a walk runs on. All give the same answers.
+
+#[cfg(target_arch = "x86_64")]
+use super::avx2;
+use super::cost::Cost;
+use super::lanes::Portable;
+use super::walk::{Found, Query, Walk, walk};
+
+/// An instruction set that this CPU has. Made only by the functions below, which look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Kernel(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Kernel {
+    /// Runs anywhere.
+    pub const PORTABLE: Kernel = Kernel(Set::Portable);
+
+    /// AVX2, if the CPU has it.
+    pub fn avx2() -> Option<Kernel> {
+        #[cfg(target_arch = "x86_64")]
+        if avx2::is_available() {
+            return Some(Kernel(Set::Avx2));
+        }
+        None
+    }
+
+    /// The fastest that the CPU has.
+    pub fn best() -> Kernel {
+        Kernel::avx2().unwrap_or(Kernel::PORTABLE)
+    }
+
+    /// All that the CPU has, the slowest first.
+    pub fn available() -> Vec<Kernel> {
+        std::iter::once(Kernel::PORTABLE).chain(Kernel::avx2()).collect()
+    }
+
+    /// The kernel of this name, if the CPU has it.
+    pub fn by_name(name: &str) -> Option<Kernel> {
+        Kernel::available().into_iter().find(|k| k.name() == name)
+    }
+
+    /// Its name: `portable`, `avx2`.
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Set::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2",
+        }
+    }
+
+    /// The nearest hit, or with `ANY` some hit.
+    #[inline]
+    pub(super) fn run<const ANY: bool>(self, tables: &Walk<'_>, query: &Query) -> Found {
+        match self.0 {
+            Set::Portable => walk::<Portable, ANY>(tables, query, &mut ()),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::run::<ANY>(tables, query),
+        }
+    }
+}
+
+/// The nearest hit, and what it took to find it: on the portable kernel, whose steps are those of all.
+pub(super) fn run_counted(tables: &Walk<'_>, query: &Query) -> (Found, Cost) {
+    let mut cost = Cost::default();
+    let found = walk::<Portable, false>(tables, query, &mut cost);
+    (found, cost)
+}

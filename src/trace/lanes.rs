@@ -1,0 +1,113 @@
+//! Eight f32 side by side: one trait, so that each kernel is written once and run portable or on AVX2.
+
+use crate::format::records::LANES;
+
+/// Eight f32. Comparisons with NaN are false. Masks are eight lanes too, and end as bits.
+pub(crate) trait Lanes: Copy {
+    /// All lanes `x`.
+    fn splat(x: f32) -> Self;
+    /// The lanes of an array.
+    fn load(from: &[f32; LANES]) -> Self;
+    /// The lanes as an array.
+    fn store(self) -> [f32; LANES];
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    /// The lesser of each; of a NaN and a number either.
+    fn min(self, other: Self) -> Self;
+    /// The greater of each; of a NaN and a number either.
+    fn max(self, other: Self) -> Self;
+    fn abs(self) -> Self;
+    /// `self` with its sign flipped where `sign` is negative (or -0).
+    fn flip(self, sign: Self) -> Self;
+    /// One bit a lane: whether `self <= other`.
+    fn le(self, other: Self) -> Mask<Self>;
+    /// Both masks.
+    fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    /// Either mask.
+    fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    /// Lane i is bit i.
+    fn bits(mask: Mask<Self>) -> u32;
+}
+
+/// Lanes of all ones or all zeros.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask<L>(pub(crate) L);
+
+/// Any machine.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable([f32; LANES]);
+
+impl Portable {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let mut out = [0.0; LANES];
+        for lane in 0..LANES {
+            out[lane] = f(self.0[lane], other.0[lane]);
+        }
+        Portable(out)
+    }
+}
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Portable([x; LANES])
+    }
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        Portable(*from)
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; LANES] {
+        self.0
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.zip(self, |a, _| a.abs())
+    }
+    #[inline(always)]
+    fn flip(self, sign: Self) -> Self {
+        self.zip(sign, |a, s| f32::from_bits(a.to_bits() ^ (s.to_bits() & 0x8000_0000)))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask<Self> {
+        Mask(self.zip(other, |a, b| f32::from_bits(if a <= b { u32::MAX } else { 0 })))
+    }
+    #[inline(always)]
+    fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+        Mask(a.0.zip(b.0, |a, b| f32::from_bits(a.to_bits() & b.to_bits())))
+    }
+    #[inline(always)]
+    fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+        Mask(a.0.zip(b.0, |a, b| f32::from_bits(a.to_bits() | b.to_bits())))
+    }
+    #[inline(always)]
+    fn bits(mask: Mask<Self>) -> u32 {
+        let mut bits = 0;
+        for lane in 0..LANES {
+            bits |= (mask.0.0[lane].to_bits() >> 31) << lane;
+        }
+        bits
+    }
+}

@@ -1,0 +1,199 @@
+//! Where a point lies: in which room, or inside which solid.
+//!
+//! A grid of cubes names, for each, the closed volumes whose inside may reach into it. A point is tested against those
+//! only, by the crossings of a vertical line through it with the volume's triangles: the plan side of an edge is
+//! computed from the edge alone, its lower corner first, so that the two triangles of an edge agree and no crossing
+//! is counted twice or lost.
+
+use enfilade_importers::{Role, Semantic};
+
+use super::NONE;
+use crate::format::records::{TriangleRecord, VolumeRecord};
+use crate::format::{Views, WHOLE_BIT};
+use crate::scene::Scene;
+
+/// Where a point lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the air of a cell.
+    Air {
+        /// Index of the cell.
+        cell: u32,
+        /// What labels the air there; [`Semantic::Unknown`] where nothing does.
+        label: Semantic,
+        /// Index of the room, if the point lies in one: the smallest one that holds it.
+        room: Option<u32>,
+    },
+    /// Inside this solid element, the smallest one that holds the point.
+    InSolid(u32),
+    /// Outside the hull.
+    Outside,
+}
+
+impl Scene {
+    /// Where `point` (internal frame, metres) lies.
+    pub fn locate(&self, point: [f64; 3]) -> Place {
+        let [lo, hi] = self.hull();
+        if !(0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis]) {
+            return Place::Outside;
+        }
+        if let Some(volume) = smallest(&self.tables, point, Role::Solid) {
+            return Place::InSolid(volume.element);
+        }
+        let label = smallest(&self.tables, point, Role::Air);
+        let semantic = label.map_or(Semantic::Unknown, |volume| {
+            let element = &self.tables.elements[volume.element as usize];
+            Semantic::from_number(element.semantic).unwrap_or_default()
+        });
+        Place::Air { cell: 0, label: semantic, room: self.room_at(point) }
+    }
+
+    /// The smallest room that holds `point`.
+    pub(crate) fn room_at(&self, point: [f64; 3]) -> Option<u32> {
+        best(&self.tables, point, |volume| volume.room != NONE).map(|volume| volume.room)
+    }
+
+    /// The smallest solid that holds `point`.
+    pub(crate) fn solid_at(&self, point: [f64; 3]) -> Option<u32> {
+        smallest(&self.tables, point, Role::Solid).map(|volume| volume.element)
+    }
+
+    /// Whether `point` lies inside the closed components of `element`.
+    pub(crate) fn is_inside(&self, point: [f64; 3], element: u32) -> bool {
+        best(&self.tables, point, |volume| volume.element == element).is_some()
+    }
+}
+
+fn smallest(tables: &Views, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {
+    best(tables, point, |volume| volume.role == role as u32)
+}
+
+/// The smallest volume, among those that `wanted` takes, that holds `point`; the first of equals.
+fn best(tables: &Views, point: [f64; 3], wanted: impl Fn(&VolumeRecord) -> bool) -> Option<&VolumeRecord> {
+    let mut found: Option<&VolumeRecord> = None;
+    for &item in located(tables, point) {
+        let volume = &tables.volumes[(item & !WHOLE_BIT) as usize];
+        if !wanted(volume) || found.is_some_and(|f| f.measure <= volume.measure) {
+            continue;
+        }
+        if item & WHOLE_BIT != 0 || holds(volume, &tables.triangles, &tables.vertices, point) {
+            found = Some(volume);
+        }
+    }
+    found
+}
+
+/// The volumes that may hold `point`, by the grid.
+fn located(tables: &Views, point: [f64; 3]) -> &[u32] {
+    let scene = &tables.scene[0];
+    let mut index = 0u64;
+    for axis in (0..3).rev() {
+        let cube = ((point[axis] - scene.locator_origin[axis]) / scene.locator_step).floor();
+        if !(cube >= 0.0 && cube < f64::from(scene.locator_dims[axis])) {
+            return &[];
+        }
+        index = index * u64::from(scene.locator_dims[axis]) + cube as u64;
+    }
+    let (start, end) = (tables.locator[index as usize], tables.locator[index as usize + 1]);
+    &tables.located[start as usize..end as usize]
+}
+
+/// Whether the closed `volume` holds `point`.
+fn holds(
+    volume: &VolumeRecord,
+    triangles: &[TriangleRecord],
+    vertices: &[[f64; 3]],
+    point: [f64; 3],
+) -> bool {
+    let [lo, hi] = volume.bounds;
+    if (0..3).any(|axis| point[axis] < lo[axis] || point[axis] > hi[axis]) {
+        return false;
+    }
+    let start = volume.first_triangle as usize;
+    let range = &triangles[start..start + volume.triangle_count as usize];
+    let crossings = crossings(range.iter().map(|t| t.vertices.map(|v| vertices[v as usize])), point);
+    if volume.by_winding == 1 { crossings.winding != 0 } else { crossings.count % 2 == 1 }
+}
+
+/// What the upward vertical line from a point meets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Crossings {
+    /// Triangles crossed.
+    pub(crate) count: u32,
+    /// Triangles crossed from below less those crossed from above, by their orientation.
+    pub(crate) winding: i32,
+}
+
+/// The triangles that the upward vertical line from `point` crosses.
+pub(crate) fn crossings(triangles: impl Iterator<Item = [[f64; 3]; 3]>, point: [f64; 3]) -> Crossings {
+    let mut found = Crossings::default();
+    for corners in triangles {
+        // Turns of the plan triangle around the point: its edges beyond the point, each half-open in y.
+        let mut turns = 0i32;
+        for i in 0..3 {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            if (a[1] <= point[1]) != (b[1] <= point[1]) && crosses_right_of(a, b, point) {
+                turns += if a[1] <= point[1] { 1 } else { -1 };
+            }
+        }
+        if turns != 0 && height(corners, point) > point[2] {
+            found.count += 1;
+            found.winding += turns;
+        }
+    }
+    found
+}
+
+/// Whether, in the plan, the edge meets the line through the point along x at a greater x than the point. Computed from the
+/// lower end of the edge, whichever way it is given.
+fn crosses_right_of(a: [f64; 3], b: [f64; 3], point: [f64; 3]) -> bool {
+    let (a, b) = if (a[1], a[0], a[2]) <= (b[1], b[0], b[2]) { (a, b) } else { (b, a) };
+    (b[0] - a[0]) * (point[1] - a[1]) > (point[0] - a[0]) * (b[1] - a[1])
+}
+
+/// Height of the triangle's plane over the point, held between its lowest and highest corner.
+pub(crate) fn height([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
+    let (u, v) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let (lowest, highest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+    let z = a[2] - (normal[0] * (point[0] - a[0]) + normal[1] * (point[1] - a[1])) / normal[2];
+    // Not `clamp`: a division by zero may have made it NaN.
+    if z > highest {
+        highest
+    } else if z >= lowest {
+        z
+    } else {
+        lowest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box whose top is cut by a diagonal, all triangles outward.
+    fn unit_box() -> Vec<[[f64; 3]; 3]> {
+        let p: Vec<[f64; 3]> =
+            (0..8).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)]).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        quads.iter().flat_map(|&[a, b, c, d]| [[p[a], p[b], p[c]], [p[a], p[c], p[d]]]).collect()
+    }
+
+    #[test]
+    fn lines_through_edges_and_corners_cross_once() {
+        let triangles = unit_box();
+        let count = |point: [f64; 3]| crossings(triangles.iter().copied(), point);
+        // On the diagonal of the top, in the middle, and near the sides.
+        for (x, y) in [(0.5, 0.5), (0.25, 0.25), (0.7, 0.2), (0.1, 0.9)] {
+            assert_eq!(count([x, y, 0.5]), Crossings { count: 1, winding: 1 }, "{x} {y}");
+            assert_eq!(count([x, y, -0.5]), Crossings { count: 2, winding: 0 });
+            assert_eq!(count([x, y, 1.5]).count, 0);
+        }
+        assert_eq!(count([1.5, 0.5, 0.5]).count, 0);
+        // On the walls themselves a line is on one side or the other, but never half inside.
+        for (x, y) in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0), (0.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            let below = count([x, y, -1.0]);
+            assert!(below.winding == 0 && below.count % 2 == 0, "{x} {y}");
+        }
+    }
+}

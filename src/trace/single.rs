@@ -1,0 +1,227 @@
+//! One ray.
+
+use glam::DVec3;
+
+use super::cost::Cost;
+use super::kernel::{Kernel, run_counted};
+use super::ray::{Answer, Hit, NONE, Ray};
+use super::walk::{Found, Leave, Query, Walk};
+use crate::format::Views;
+use crate::scene::Scene;
+
+/// Planes nearer to the origin of a restarted ray than this, in metres per metre of coordinate, count as the one
+/// that it starts on.
+const ON_PLANE: f64 = 1e-11;
+
+/// From where a ray starts, if the caller knows: then nothing is looked up.
+#[derive(Clone, Copy, Debug)]
+pub enum Start<'a> {
+    /// Anywhere: the origin is located first.
+    Anywhere,
+    /// In the air of this cell.
+    Cell(u32),
+    /// On the surface of this hit, to the side from which its ray came, or through it: the surface itself is not met
+    /// again.
+    Hit(&'a Hit),
+}
+
+/// What of an answer is wanted beside distance, element and triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Want {
+    /// [`Hit::room`]: costs a look-up of the point.
+    pub room: bool,
+}
+
+impl Default for Want {
+    fn default() -> Want {
+        Want { room: true }
+    }
+}
+
+impl Want {
+    /// Only what costs nothing.
+    pub const LEAST: Want = Want { room: false };
+}
+
+impl Scene {
+    /// What the ray meets first.
+    ///
+    /// [`Answer::InSolid`] if it starts inside a solid, unless it leaves it within the tolerance: an origin on a
+    /// surface counts as on the air side that the direction enters. A ray that is none ([`Ray::is_valid`]) escapes.
+    ///
+    /// ```no_run
+    /// use enfilade::{Answer, Ray, Scene};
+    ///
+    /// let scene = Scene::open("house.enf".as_ref())?;
+    /// if let Answer::Hit(hit) = scene.trace(&Ray::new([2.0, 3.0, 1.6], [1.0, 0.0, 0.0])) {
+    ///     println!("{} m to {}", hit.t, scene.element(hit.element).id());
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn trace(&self, ray: &Ray) -> Answer {
+        self.trace_from(Start::Anywhere, ray, Want::default()).answer()
+    }
+
+    /// What the ray meets first, as a record, from a start that the caller knows.
+    pub fn trace_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        self.trace_with(self.kernel, start, ray, want)
+    }
+
+    /// [`Scene::trace_from`] on a kernel of choice.
+    pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        let Some(line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
+        if matches!(start, Start::Anywhere)
+            && let Some(element) = self.solid_around(&line)
+        {
+            return Hit::in_solid(element, self.tables.elements[element as usize].semantic);
+        }
+        let found = line.run::<false>(&self.tables, kernel, self.leave(start, &line));
+        if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
+    }
+
+    /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
+    pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
+        let none = Cost::default();
+        let Some(line) = Line::new(&self.tables, ray) else { return (Hit::ESCAPED, none) };
+        if matches!(start, Start::Anywhere)
+            && let Some(element) = self.solid_around(&line)
+        {
+            return (Hit::in_solid(element, self.tables.elements[element as usize].semantic), none);
+        }
+        let query = line.query(&self.tables, self.leave(start, &line));
+        let (found, cost) = run_counted(&Walk::new(&self.tables), &query);
+        let hit = if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) };
+        (hit, cost)
+    }
+
+    /// Whether anything stands in the way of the ray between `tmin` and `tmax`. Stops at the first thing found.
+    /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it within the
+    /// tolerance.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let Some(line) = Line::new(&self.tables, ray) else { return false };
+        self.solid_around(&line).is_some()
+            || line.run::<true>(&self.tables, self.kernel, self.leave(Start::Anywhere, &line)).triangle
+                != NONE
+    }
+
+    /// The solid that holds the origin, and still holds the point a tolerance further on.
+    fn solid_around(&self, line: &Line) -> Option<u32> {
+        let start = line.origin + line.direction * line.tmin;
+        let element = self.solid_at(start.to_array())?;
+        let ahead = start + line.direction * self.tolerance();
+        self.is_inside(ahead.to_array(), element).then_some(element)
+    }
+
+    fn leave(&self, start: Start<'_>, line: &Line) -> Leave {
+        let solids = line.tmin + self.tolerance();
+        match start {
+            Start::Hit(hit) => {
+                let scale = 1.0 + line.origin.abs().max_element();
+                Leave { solids, planes: ON_PLANE * scale, triangle: hit.triangle }
+            }
+            _ => Leave { solids, planes: -1.0, triangle: NONE },
+        }
+    }
+
+    fn describe(&self, line: &Line, found: Found, want: Want) -> Hit {
+        let record = &self.tables.triangles[found.triangle as usize];
+        let [a, b, c] = record.vertices.map(|v| DVec3::from(self.tables.vertices[v as usize]));
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let normal = if normal.dot(line.direction) > 0.0 { -normal } else { normal };
+        let point = line.origin + line.direction * found.t;
+        let room = if want.room { self.room_before(line, found.t) } else { NONE };
+        Hit {
+            t: found.t,
+            point: point.to_array(),
+            normal: normal.to_array(),
+            element: record.element,
+            semantic: self.tables.elements[record.element as usize].semantic,
+            material: record.material,
+            cell: 0,
+            room,
+            triangle: found.triangle,
+        }
+    }
+
+    /// The room in which the ray ends at `t`: labels may end a little before the surface, so also looked for a little
+    /// before it.
+    fn room_before(&self, line: &Line, t: f64) -> u32 {
+        /// How far room labels may stay behind the surfaces around them, metres.
+        const GAP: f64 = 0.05;
+        [self.tolerance(), GAP]
+            .iter()
+            .map(|back| (line.origin + line.direction * (t - back).max(line.tmin)).to_array())
+            .find_map(|point| self.room_at(point))
+            .unwrap_or(NONE)
+    }
+}
+
+/// The vector at unit length, whatever its length was; `None` if that cannot be.
+#[inline]
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let squared = vector.length_squared();
+    let unit = if squared > 1e-200 && squared < 1e200 {
+        vector / squared.sqrt()
+    } else {
+        // The square of a very long or very short vector is no number: scaled first.
+        (vector / vector.abs().max_element()).normalize()
+    };
+    unit.is_finite().then_some(unit)
+}
+
+/// A ray that meets the hull.
+struct Line {
+    origin: DVec3,
+    direction: DVec3,
+    tmin: f64,
+    tmax: f64,
+    /// Where it enters the hull, or `tmin`.
+    start: f64,
+}
+
+impl Line {
+    /// `None` for a ray that is none, or that does not meet the hull.
+    #[inline]
+    fn new(tables: &Views, ray: &Ray) -> Option<Line> {
+        if !ray.is_valid() {
+            return None;
+        }
+        let direction = unit(DVec3::from(ray.direction))?;
+        let origin = DVec3::from(ray.origin);
+        let scene = &tables.scene[0];
+        let (lo, hi) = (DVec3::from(scene.hull[0]), DVec3::from(scene.hull[1]));
+        let tmin = ray.tmin.max(0.0);
+        let line = Line { origin, direction, tmin, tmax: ray.tmax, start: tmin };
+        if tmin == 0.0 && origin.cmpge(lo).all() && origin.cmple(hi).all() {
+            return Some(line);
+        }
+        let (mut enter, mut leave) = (tmin, ray.tmax);
+        for axis in 0..3 {
+            let (o, d) = (origin[axis], direction[axis]);
+            if d == 0.0 {
+                if o < lo[axis] || o > hi[axis] {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((lo[axis] - o) / d, (hi[axis] - o) / d);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        // The hull has a margin around all triangles, so that rounding here loses none of them.
+        (enter <= leave).then_some(Line { start: enter, ..line })
+    }
+
+    #[inline]
+    fn run<const ANY: bool>(&self, tables: &Views, kernel: Kernel, leave: Leave) -> Found {
+        kernel.run::<ANY>(&Walk::new(tables), &self.query(tables, leave))
+    }
+
+    #[inline]
+    fn query(&self, tables: &Views, leave: Leave) -> Query {
+        let scene = &tables.scene[0];
+        let root = tables.cells[0].root;
+        Query::new(self.origin, self.direction, (self.tmin, self.tmax), self.start, scene.center, root, leave)
+    }
+}

@@ -1,0 +1,346 @@
+//! One ray through a hierarchy of boxes to the nearest triangle.
+//!
+//! Boxes and a first look at the triangles are in f32, eight at a time, and *conservative*: boxes are inflated and
+//! the triangle test is slack by [`SceneRecord::slack`](crate::format::records::SceneRecord::slack), which bounds all
+//! rounding of coordinates, origin, direction and arithmetic (`docs/ARCHITECTURE.md`, "Exact hits from f32 boxes").
+//! What passes, one or two triangles a ray, is decided in f64 on the source's own vertices, by the shear test of Woop,
+//! Benthin and Wald (Watertight Ray/Triangle Intersection, JCGT 2(1), 2013): its edge functions are antisymmetric to
+//! the last bit, so that a ray cannot slip between two triangles that share an edge. The answer is the same for
+//! every kernel, bit for bit.
+
+use glam::DVec3;
+
+use super::NONE;
+use super::lanes::Lanes;
+use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
+use crate::format::{MAX_DEPTH, Views};
+
+/// Room for the children that wait while one is visited, at every level.
+const STACK: usize = MAX_DEPTH as usize * (LANES - 1) + 1;
+
+/// Least size of a direction's component in the box test: smaller ones move a ray by less than the slack.
+const LEAST: f32 = 1e-9;
+
+/// The tables that a walk reads.
+pub(super) struct Walk<'a> {
+    nodes: &'a [NodeRecord],
+    blocks: &'a [BlockRecord],
+    triangles: &'a [TriangleRecord],
+    vertices: &'a [[f64; 3]],
+    volumes: &'a [VolumeRecord],
+    slack: f32,
+}
+
+impl<'a> Walk<'a> {
+    #[inline]
+    pub(super) fn new(tables: &'a Views) -> Walk<'a> {
+        Walk {
+            nodes: &tables.nodes,
+            blocks: &tables.blocks,
+            triangles: &tables.triangles,
+            vertices: &tables.vertices,
+            volumes: &tables.volumes,
+            slack: tables.scene[0].slack,
+        }
+    }
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Distance, metres.
+    pub(super) t: f64,
+    /// The triangle, or [`NONE`].
+    pub(super) triangle: u32,
+}
+
+/// Which hits do not count, beside those outside `tmin..=tmax`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leave {
+    /// A hit no farther than this, metres, through which the ray leaves a solid: its origin counts as outside.
+    pub(super) solids: f64,
+    /// Hits on triangles whose plane is no farther than this from the origin, metres; negative to let all count.
+    pub(super) planes: f64,
+    /// Hits on this triangle.
+    pub(super) triangle: u32,
+}
+
+/// A ray made ready for a walk.
+pub(super) struct Query {
+    origin: DVec3,
+    direction: DVec3,
+    tmin: f64,
+    tmax: f64,
+    /// Where along the ray the f32 copy starts: its entry into the hull.
+    start: f64,
+    local: [f32; 3],
+    toward: [f32; 3],
+    inverse: [f32; 3],
+    /// Axes of the shear: two across the ray and the one along which it mostly runs.
+    axes: [usize; 3],
+    shear: [f64; 3],
+    leave: Leave,
+    root: u32,
+}
+
+impl Query {
+    /// A ray from `origin` along the unit vector `direction`. Its f32 copy starts at `start` along it, where it is
+    /// within the hull, whose center is `center`.
+    #[inline]
+    pub(super) fn new(
+        origin: DVec3,
+        direction: DVec3,
+        (tmin, tmax): (f64, f64),
+        start: f64,
+        center: [f64; 3],
+        root: u32,
+        leave: Leave,
+    ) -> Query {
+        let local = (origin + direction * start - DVec3::from(center)).as_vec3().to_array();
+        let toward = direction.as_vec3().to_array();
+        let inverse = toward.map(|d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
+        let d = direction.to_array();
+        let size = d.map(f64::abs);
+        let along = if size[0] > size[1] && size[0] > size[2] {
+            0
+        } else if size[1] > size[2] {
+            1
+        } else {
+            2
+        };
+        let axes = [(along + 1) % 3, (along + 2) % 3, along];
+        let shear = [d[axes[0]] / d[along], d[axes[1]] / d[along], 1.0 / d[along]];
+        Query { origin, direction, tmin, tmax, start, local, toward, inverse, axes, shear, leave, root }
+    }
+
+    /// The f32 distance, from `local`, beyond which nothing is nearer than `t`.
+    #[inline(always)]
+    fn limit(&self, t: f64, slack: f32) -> f32 {
+        let limit = (t - self.start) as f32;
+        limit + limit.abs() * 1e-6 + slack
+    }
+
+    /// Decides in f64 whether the ray meets the triangle nearer than `best`.
+    #[inline(always)]
+    fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
+        let record = &walk.triangles[index as usize];
+        let corners = record.vertices.map(|v| walk.vertices[v as usize]);
+        let [kx, ky, kz] = self.axes;
+        let [sx, sy, sz] = self.shear;
+        let o = self.origin.to_array();
+        let sheared = corners.map(|p| {
+            let z = p[kz] - o[kz];
+            [p[kx] - o[kx] - sx * z, p[ky] - o[ky] - sy * z, sz * z]
+        });
+        let [a, b, c] = sheared;
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return false;
+        }
+        let det = u + v + w;
+        if det == 0.0 {
+            return false;
+        }
+        let t = (u * a[2] + v * b[2] + w * c[2]) / det;
+        // The negated form also turns away NaN.
+        if !(t >= self.tmin && t <= best.t) || (t == best.t && index >= best.triangle) {
+            return false;
+        }
+        if self.leaves(walk, record, corners, index, t) {
+            return false;
+        }
+        *best = Found { t, triangle: index };
+        true
+    }
+
+    /// Whether a hit does not count, by [`Leave`].
+    #[inline(always)]
+    fn leaves(
+        &self,
+        walk: &Walk<'_>,
+        record: &TriangleRecord,
+        corners: [[f64; 3]; 3],
+        index: u32,
+        t: f64,
+    ) -> bool {
+        if t > self.leave.solids && self.leave.planes < 0.0 {
+            return false;
+        }
+        let [a, b, c] = corners.map(DVec3::from);
+        let normal = (b - a).cross(c - a);
+        let outward = normal.dot(self.direction);
+        if t <= self.leave.solids && outward > 0.0 && record.volume != NONE {
+            let volume = &walk.volumes[record.volume as usize];
+            if volume.role == enfilade_importers::Role::Solid as u32 {
+                return true;
+            }
+        }
+        self.leave.planes >= 0.0
+            && (index == self.leave.triangle || (t * outward).abs() <= self.leave.planes * normal.length())
+    }
+}
+
+/// What is told of each step of a walk. The unit type counts nothing, and costs nothing.
+pub(super) trait Count {
+    /// A node was opened: eight boxes.
+    fn node(&mut self);
+    /// A block was opened: up to eight triangles, in f32.
+    fn block(&mut self);
+    /// A triangle was tested in f64.
+    fn test(&mut self);
+}
+
+impl Count for () {
+    #[inline(always)]
+    fn node(&mut self) {}
+    #[inline(always)]
+    fn block(&mut self) {}
+    #[inline(always)]
+    fn test(&mut self) {}
+}
+
+/// The nearest hit; with `ANY`, some hit.
+#[inline(always)]
+pub(super) fn walk<L: Lanes, const ANY: bool>(
+    walk: &Walk<'_>,
+    query: &Query,
+    count: &mut impl Count,
+) -> Found {
+    let mut best = Found { t: query.tmax, triangle: NONE };
+    if query.root == NONE {
+        return best;
+    }
+    let origin = query.local.map(L::splat);
+    let inverse = query.inverse.map(L::splat);
+    let first = query.limit(query.tmin, walk.slack) - 4.0 * walk.slack;
+    let first = L::splat(first.max(-walk.slack));
+    let mut limit = query.limit(best.t, walk.slack);
+    let mut stack = [(0u32, 0f32); STACK];
+    let mut waiting = 0;
+    let mut current = query.root;
+    loop {
+        if current & BLOCK_BIT == 0 {
+            count.node();
+            let node = &walk.nodes[current as usize];
+            let mut near = first;
+            let mut far = L::splat(limit);
+            for axis in 0..3 {
+                let (lo, hi) = (L::load(&node.lo[axis]), L::load(&node.hi[axis]));
+                let (enter, leave) = if query.inverse[axis] < 0.0 { (hi, lo) } else { (lo, hi) };
+                near = near.max(enter.sub(origin[axis]).mul(inverse[axis]));
+                far = far.min(leave.sub(origin[axis]).mul(inverse[axis]));
+            }
+            let mut hits = L::bits(near.le(far));
+            if hits != 0 {
+                let first_hit = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                if hits == 0 {
+                    current = node.child[first_hit];
+                    continue;
+                }
+                // The children that were hit, farthest first, on the stack.
+                let near = near.store();
+                let bottom = waiting;
+                stack[waiting] = (node.child[first_hit], near[first_hit]);
+                waiting += 1;
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    let entry = (node.child[lane], near[lane]);
+                    let mut place = waiting;
+                    while place > bottom && stack[place - 1].1 < entry.1 {
+                        stack[place] = stack[place - 1];
+                        place -= 1;
+                    }
+                    stack[place] = entry;
+                    waiting += 1;
+                }
+                waiting -= 1;
+                current = stack[waiting].0;
+                continue;
+            }
+        } else {
+            count.block();
+            let block = &walk.blocks[(current & !BLOCK_BIT) as usize];
+            let mut candidates = candidates::<L>(block, query, limit, walk.slack);
+            while candidates != 0 {
+                let lane = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                count.test();
+                if query.test(walk, block.triangle[lane], &mut best) {
+                    if ANY {
+                        return best;
+                    }
+                    limit = query.limit(best.t, walk.slack);
+                }
+            }
+        }
+        loop {
+            if waiting == 0 {
+                return best;
+            }
+            waiting -= 1;
+            let (node, near) = stack[waiting];
+            if near <= limit {
+                current = node;
+                break;
+            }
+        }
+    }
+}
+
+/// The lanes of a block whose triangle the ray may meet before `limit`: all that it meets, and those that it misses
+/// by less than the slack. After Moeller and Trumbore (Fast, Minimum Storage Ray/Triangle Intersection, 1997), with an
+/// error bound on each side: |e| times the slack bounds the error of u and v, |e1||e2| times it that of t.
+#[inline(always)]
+fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f32) -> u32 {
+    let load = |v: &[[f32; LANES]; 3]| [L::load(&v[0]), L::load(&v[1]), L::load(&v[2])];
+    let (corner, e1, e2) = (load(&block.corner), load(&block.edge1), load(&block.edge2));
+    let d = query.toward.map(L::splat);
+    let o = query.local.map(L::splat);
+    let zero = L::splat(0.0);
+    let slack = L::splat(slack);
+
+    let p = cross(d, e2);
+    let det = dot(e1, p);
+    let size = det.abs();
+    let s = [o[0].sub(corner[0]), o[1].sub(corner[1]), o[2].sub(corner[2])];
+    let q = cross(s, e1);
+    let u = dot(s, p).flip(det);
+    let v = dot(d, q).flip(det);
+    let t = dot(e2, q).flip(det);
+
+    let n1 = e1[0].abs().add(e1[1].abs()).add(e1[2].abs());
+    let n2 = e2[0].abs().add(e2[1].abs()).add(e2[2].abs());
+    let (slack1, slack2) = (n1.mul(slack), n2.mul(slack));
+    let slack12 = n1.mul(slack2);
+
+    let inside_u = zero.sub(slack2).le(u);
+    let inside_v = zero.sub(slack1).le(v);
+    let inside_w = u.add(v).le(size.add(slack1).add(slack2));
+    let ahead = zero.sub(slack12).le(t);
+    let near = t.le(size.mul(L::splat(limit)).add(slack12));
+    let met = L::and(L::and(L::and(inside_u, inside_v), L::and(inside_w, ahead)), near);
+    // Seen edge-on the sign of the determinant is not sure, and nothing above is.
+    let edge_on = size.le(n1.mul(n2).mul(L::splat(EDGE_ON)));
+    L::bits(L::or(met, edge_on))
+}
+
+/// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
+const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;
+
+#[inline(always)]
+fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [
+        a[1].mul(b[2]).sub(a[2].mul(b[1])),
+        a[2].mul(b[0]).sub(a[0].mul(b[2])),
+        a[0].mul(b[1]).sub(a[1].mul(b[0])),
+    ]
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+}
