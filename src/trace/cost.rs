@@ -21,6 +21,15 @@ impl Cost {
     }
 }
 
+impl Cost {
+    /// Adds the steps of a further walk.
+    pub(super) fn add(&mut self, other: Cost) {
+        self.nodes = self.nodes.saturating_add(other.nodes);
+        self.blocks = self.blocks.saturating_add(other.blocks);
+        self.tests = self.tests.saturating_add(other.tests);
+    }
+}
+
 impl Count for Cost {
     fn node(&mut self) {
         self.nodes = self.nodes.saturating_add(1);

@@ -58,9 +58,10 @@ impl Scene {
         smallest(&self.tables, point, Role::Solid).map(|volume| volume.element)
     }
 
-    /// Whether `point` lies inside the closed components of `element`.
-    pub(crate) fn is_inside(&self, point: [f64; 3], element: u32) -> bool {
-        best(&self.tables, point, |volume| volume.element == element).is_some()
+    /// Whether any solid may hold `point`: quick, and never wrongly no.
+    pub(crate) fn may_be_in_solid(&self, point: [f64; 3]) -> bool {
+        let role = |item: &u32| self.tables.volumes[(item & !WHOLE_BIT) as usize].role;
+        located(&self.tables, point).iter().any(|item| role(item) == Role::Solid as u32)
     }
 }
 

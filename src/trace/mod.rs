@@ -3,6 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod batch;
+mod begin;
 mod cost;
 mod kernel;
 mod lanes;

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use super::cost::Cost;
+use super::begin::Begin;
 use super::kernel::{Kernel, run_counted};
 use super::ray::{Answer, Hit, NONE, Ray};
-use super::walk::{Found, Leave, Query, Walk};
+use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
 use crate::scene::Scene;
 
@@ -70,58 +71,54 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        let Some(line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
-        if matches!(start, Start::Anywhere)
-            && let Some(element) = self.solid_around(&line)
-        {
-            return Hit::in_solid(element, self.tables.elements[element as usize].semantic);
-        }
-        let found = line.run::<false>(&self.tables, kernel, self.leave(start, &line));
-        if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
+        self.answer(start, ray, want, |query| kernel.run::<false>(&Walk::new(&self.tables), query))
     }
 
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
-        let none = Cost::default();
-        let Some(line) = Line::new(&self.tables, ray) else { return (Hit::ESCAPED, none) };
-        if matches!(start, Start::Anywhere)
-            && let Some(element) = self.solid_around(&line)
-        {
-            return (Hit::in_solid(element, self.tables.elements[element as usize].semantic), none);
-        }
-        let query = line.query(&self.tables, self.leave(start, &line));
-        let (found, cost) = run_counted(&Walk::new(&self.tables), &query);
-        let hit = if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) };
+        let mut cost = Cost::default();
+        let hit = self.answer(start, ray, want, |query| {
+            let (found, more) = run_counted(&Walk::new(&self.tables), query);
+            cost.add(more);
+            found
+        });
         (hit, cost)
     }
 
+    /// The answer, with `nearest` to find the nearest triangle.
+    #[inline]
+    fn answer(&self, start: Start<'_>, ray: &Ray, want: Want, mut nearest: impl FnMut(&Query) -> Found) -> Hit {
+        let Some(mut line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
+        let mut found = nearest(&line.query(&self.tables, surface(start, &line)));
+        if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
+            match self.begin(&line, found, &mut nearest) {
+                Begin::InSolid(element) => {
+                    return Hit::in_solid(element, self.tables.elements[element as usize].semantic);
+                }
+                Begin::At(tmin) if tmin > line.tmin => {
+                    line.tmin = tmin;
+                    found = nearest(&line.query(&self.tables, None));
+                }
+                Begin::At(_) => {}
+                Begin::Beside(way) => {
+                    line.origin += way;
+                    found = nearest(&line.query(&self.tables, None));
+                }
+            }
+        }
+        if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
+    }
+
     /// Whether anything stands in the way of the ray between `tmin` and `tmax`. Stops at the first thing found.
-    /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it within the
-    /// tolerance.
+    /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it for the air
+    /// within the tolerance.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let Some(line) = Line::new(&self.tables, ray) else { return false };
-        self.solid_around(&line).is_some()
-            || line.run::<true>(&self.tables, self.kernel, self.leave(Start::Anywhere, &line)).triangle
-                != NONE
-    }
-
-    /// The solid that holds the origin, and still holds the point a tolerance further on.
-    fn solid_around(&self, line: &Line) -> Option<u32> {
-        let start = line.origin + line.direction * line.tmin;
-        let element = self.solid_at(start.to_array())?;
-        let ahead = start + line.direction * self.tolerance();
-        self.is_inside(ahead.to_array(), element).then_some(element)
-    }
-
-    fn leave(&self, start: Start<'_>, line: &Line) -> Leave {
-        let solids = line.tmin + self.tolerance();
-        match start {
-            Start::Hit(hit) => {
-                let scale = 1.0 + line.origin.abs().max_element();
-                Leave { solids, planes: ON_PLANE * scale, triangle: hit.triangle }
-            }
-            _ => Leave { solids, planes: -1.0, triangle: NONE },
+        if self.may_start_in_solid(&line) {
+            return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
         }
+        let query = line.query(&self.tables, None);
+        self.kernel.run::<true>(&Walk::new(&self.tables), &query).triangle != NONE
     }
 
     fn describe(&self, line: &Line, found: Found, want: Want) -> Hit {
@@ -171,13 +168,14 @@ fn unit(vector: DVec3) -> Option<DVec3> {
 }
 
 /// A ray that meets the hull.
-struct Line {
-    origin: DVec3,
-    direction: DVec3,
-    tmin: f64,
-    tmax: f64,
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) tmin: f64,
+    pub(super) tmax: f64,
     /// Where it enters the hull, or `tmin`.
-    start: f64,
+    pub(super) start: f64,
 }
 
 impl Line {
@@ -214,14 +212,21 @@ impl Line {
     }
 
     #[inline]
-    fn run<const ANY: bool>(&self, tables: &Views, kernel: Kernel, leave: Leave) -> Found {
-        kernel.run::<ANY>(&Walk::new(tables), &self.query(tables, leave))
-    }
-
-    #[inline]
-    fn query(&self, tables: &Views, leave: Leave) -> Query {
+    pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
-        Query::new(self.origin, self.direction, (self.tmin, self.tmax), self.start, scene.center, root, leave)
+        Query::new(self.origin, self.direction, (self.tmin, self.tmax), self.start, scene.center, root, surface)
+    }
+}
+
+/// What a restarted ray starts on.
+#[inline]
+fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
+    match start {
+        Start::Hit(hit) => {
+            let scale = 1.0 + line.origin.abs().max_element();
+            Some(Surface { plane: ON_PLANE * scale, triangle: hit.triangle })
+        }
+        _ => None,
     }
 }

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::lanes::Lanes;
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
+use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord};
 use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level.
@@ -27,7 +27,6 @@ pub(super) struct Walk<'a> {
     blocks: &'a [BlockRecord],
     triangles: &'a [TriangleRecord],
     vertices: &'a [[f64; 3]],
-    volumes: &'a [VolumeRecord],
     slack: f32,
 }
 
@@ -39,7 +38,6 @@ impl<'a> Walk<'a> {
             blocks: &tables.blocks,
             triangles: &tables.triangles,
             vertices: &tables.vertices,
-            volumes: &tables.volumes,
             slack: tables.scene[0].slack,
         }
     }
@@ -54,13 +52,11 @@ pub(super) struct Found {
     pub(super) triangle: u32,
 }
 
-/// Which hits do not count, beside those outside `tmin..=tmax`.
+/// The surface that a restarted ray starts on: hits on it do not count.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leave {
-    /// A hit no farther than this, metres, through which the ray leaves a solid: its origin counts as outside.
-    pub(super) solids: f64,
-    /// Hits on triangles whose plane is no farther than this from the origin, metres; negative to let all count.
-    pub(super) planes: f64,
+pub(super) struct Surface {
+    /// Hits on triangles whose plane is no farther than this from the origin, metres.
+    pub(super) plane: f64,
     /// Hits on this triangle.
     pub(super) triangle: u32,
 }
@@ -79,7 +75,7 @@ pub(super) struct Query {
     /// Axes of the shear: two across the ray and the one along which it mostly runs.
     axes: [usize; 3],
     shear: [f64; 3],
-    leave: Leave,
+    surface: Option<Surface>,
     root: u32,
 }
 
@@ -94,7 +90,7 @@ impl Query {
         start: f64,
         center: [f64; 3],
         root: u32,
-        leave: Leave,
+        surface: Option<Surface>,
     ) -> Query {
         let local = (origin + direction * start - DVec3::from(center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
@@ -110,7 +106,7 @@ impl Query {
         };
         let axes = [(along + 1) % 3, (along + 2) % 3, along];
         let shear = [d[axes[0]] / d[along], d[axes[1]] / d[along], 1.0 / d[along]];
-        Query { origin, direction, tmin, tmax, start, local, toward, inverse, axes, shear, leave, root }
+        Query { origin, direction, tmin, tmax, start, local, toward, inverse, axes, shear, surface, root }
     }
 
     /// The f32 distance, from `local`, beyond which nothing is nearer than `t`.
@@ -148,37 +144,20 @@ impl Query {
         if !(t >= self.tmin && t <= best.t) || (t == best.t && index >= best.triangle) {
             return false;
         }
-        if self.leaves(walk, record, corners, index, t) {
+        if let Some(surface) = &self.surface
+            && (index == surface.triangle || self.starts_on_plane(corners, t, surface.plane))
+        {
             return false;
         }
         *best = Found { t, triangle: index };
         true
     }
 
-    /// Whether a hit does not count, by [`Leave`].
-    #[inline(always)]
-    fn leaves(
-        &self,
-        walk: &Walk<'_>,
-        record: &TriangleRecord,
-        corners: [[f64; 3]; 3],
-        index: u32,
-        t: f64,
-    ) -> bool {
-        if t > self.leave.solids && self.leave.planes < 0.0 {
-            return false;
-        }
+    /// Whether the plane that is hit at `t` is no farther than `near` from the origin.
+    fn starts_on_plane(&self, corners: [[f64; 3]; 3], t: f64, near: f64) -> bool {
         let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
-        let outward = normal.dot(self.direction);
-        if t <= self.leave.solids && outward > 0.0 && record.volume != NONE {
-            let volume = &walk.volumes[record.volume as usize];
-            if volume.role == enfilade_importers::Role::Solid as u32 {
-                return true;
-            }
-        }
-        self.leave.planes >= 0.0
-            && (index == self.leave.triangle || (t * outward).abs() <= self.leave.planes * normal.length())
+        (t * normal.dot(self.direction)).abs() <= near * normal.length()
     }
 }
 
