@@ -13,8 +13,8 @@ use super::vector::{add, basis, cross, distance, dot, length, max_abs, scale, su
 use super::{TrueAnswer, Truth, start};
 use crate::trace::Ray;
 
-/// Points tried for an answer `InSolid`.
-const SOLID_POINTS: usize = 512;
+/// Triangles near which points are tried for an answer `InSolid`: the nearest ones.
+const SOLID_TRIANGLES: usize = 24;
 
 /// An answer to look for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,18 +45,24 @@ pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Optio
     let body = &truth.solids[index].1;
     let origin = start(ray)?;
     let step = step_at(max_abs(origin));
+    let mut surface = body.surface_near(origin, truth.tolerance);
+    surface.sort_by(|a, b| distance(a.0, origin).total_cmp(&distance(b.0, origin)));
     let mut shifts = Vec::new();
-    for (q, normal) in body.surface_near(origin, truth.tolerance) {
+    for (q, normal) in surface.into_iter().take(SOLID_TRIANGLES) {
         let n = unit(normal);
         for step in [step, 100.0 * step, 1e4 * step] {
-            for side in [step, -step] {
-                shifts.push(add(sub(q, origin), scale(n, side)));
+            let mut push = |way: [f64; 3]| shifts.push(add(sub(q, origin), scale(way, step)));
+            push(n);
+            push(scale(n, -1.0));
+            // On an edge or in a corner, the way in is oblique to all faces.
+            for i in (0..27).filter(|&i| i != 13) {
+                push(unit([i % 3, i / 3 % 3, i / 9].map(|k| f64::from(k) - 0.987)));
             }
         }
     }
     shifts.retain(|shift| length(*shift) <= truth.tolerance);
     shifts.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
-    let found = shifts.iter().take(SOLID_POINTS).find(|shift| body.contains(add(origin, **shift)));
+    let found = shifts.iter().find(|shift| body.contains(add(origin, **shift)));
     found.map(|shift| length(*shift))
 }
 
