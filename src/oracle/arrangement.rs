@@ -6,6 +6,8 @@
 //! nearest part, or a vertex of the arrangement: points on both sides of the former, and between each two neighbours
 //! around the latter, are all that is needed.
 
+use std::collections::HashSet;
+
 /// A point of the plane.
 pub(crate) type Point = [f64; 2];
 
@@ -137,9 +139,15 @@ impl Arrangement {
         points.sort_by(|a, b| {
             norm(*a).total_cmp(&norm(*b)).then(a[0].total_cmp(&b[0])).then(a[1].total_cmp(&b[1]))
         });
-        points.dedup();
+        let mut known = HashSet::new();
+        points.retain(|p| known.insert(self.rounded(*p, 0.25)));
         points.truncate(POINTS);
         points
+    }
+
+    /// Tells points apart that are some share of the step from each other.
+    fn rounded(&self, p: Point, share: f64) -> [i64; 2] {
+        p.map(|c| (c / (share * self.step)).round() as i64)
     }
 
     fn steps(&self) -> [f64; 2] {
@@ -162,7 +170,9 @@ impl Arrangement {
                 }
             }
         }
-        vertices.retain(|v| norm(*v) <= self.radius);
+        // Many edges may cross in one place, and rounding scatters it.
+        let mut known = HashSet::new();
+        vertices.retain(|v| norm(*v) <= self.radius && known.insert(self.rounded(*v, 1.0 / 16.0)));
         vertices
     }
 
@@ -180,6 +190,7 @@ impl Arrangement {
             }
         }
         ways.sort_by(|a, b| turn(*a).total_cmp(&turn(*b)));
+        ways.dedup_by(|b, a| turn(*b) - turn(*a) < 1e-7);
         for (i, &from) in ways.iter().enumerate() {
             let to = ways[(i + 1) % ways.len()];
             // The middle of the turn from one way to the next, counter-clockwise.

@@ -17,7 +17,8 @@ pub enum RayKind {
     /// From inside a room, every closed room alike and evenly within it, but not from inside a carving solid; in all
     /// directions alike. Without rooms: as [`RayKind::Box`], but not from inside a carving solid.
     Room,
-    /// From a sphere around the model, half at points of the model's box, half at points of a triangle's box.
+    /// From a sphere around the model, half at points of the model's box and a little around it, half at points of a
+    /// triangle's box.
     Outside,
     /// From anywhere in the model's box, in all directions alike.
     Box,
@@ -97,7 +98,7 @@ impl<'a> RaySource<'a> {
         let origin = add(self.bounds.center(), scale(random.direction(), radius));
         let around = match self.triangle(random) {
             Some(corners) if random.below(2) == 0 => Bounds::of(&corners),
-            _ => self.bounds,
+            _ => self.bounds.grown(0.05 * length(self.bounds.size())),
         };
         Ray::new(origin, or_up(sub(random.point(&around), origin)))
     }

@@ -342,6 +342,30 @@ fn origins_at_the_surface_of_a_solid() {
 }
 
 #[test]
+fn origins_between_two_solids_that_touch() {
+    let shapes = [wall([0.0; 3], [1.0; 3]), wall([1.0, 0.0, 0.0], [2.0, 1.0, 1.0])];
+    let truth = truth(&shapes);
+    let judge = |x: f64, dx: f64, answer: Answer| {
+        truth.judge(&Ray::new([x, 0.4, 0.6], [dx, 0.1, 0.0]), &answer).verdict
+    };
+    for x in [1.0, 0.9996, 1.0004] {
+        for dx in [1.0, -1.0] {
+            // In either, or at the surface of the one that is entered; but never through to the other end of it.
+            assert!(judge(x, dx, Answer::InSolid(0)).is_right());
+            assert!(judge(x, dx, Answer::InSolid(1)).is_right());
+            assert!(judge(x, dx, hit(0.0, u32::from(dx > 0.0))).is_right());
+            assert_eq!(judge(x, dx, hit(1.005, u32::from(dx > 0.0))), wrong(Why::StartsInSolid));
+            assert_eq!(judge(x, dx, Answer::Escaped), wrong(Why::StartsInSolid));
+        }
+    }
+    // Leaving a solid into the air, its own surface is not met.
+    for x in [0.0, 4e-4] {
+        assert_eq!(judge(x, -1.0, hit(x, 0)).is_right(), false, "{x}");
+        assert!(judge(x, -1.0, Answer::Escaped).is_right());
+    }
+}
+
+#[test]
 fn detail_and_open_meshes_do_not_carve() {
     let mut open = Shape::cuboid([0.0; 3], [1.0; 3]);
     open.0.pop();

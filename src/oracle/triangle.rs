@@ -103,7 +103,11 @@ fn distance(line: &Line, corners: &Corners, a: [f64; 3]) -> Option<f64> {
     // Slivers and grazing rays lose digits: a bound on how many.
     let error = 64.0 * U * max_abs(e) * max_abs(f);
     let sure = denominator.abs() - error;
-    if sure > 0.0 && error * (max_abs(a) + t.abs()) <= 0.5 * T_ERROR * (1.0 + t.abs()) * sure {
+    // Near zero the sign must be right as well: it tells what is ahead from what is behind.
+    if sure > 0.0
+        && t.abs() > T_ERROR
+        && error * (max_abs(a) + t.abs()) <= 0.5 * T_ERROR * (1.0 + t.abs()) * sure
+    {
         return Some(t);
     }
     exact_distance(line, corners)

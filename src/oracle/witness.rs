@@ -6,14 +6,15 @@
 use enfilade_importers::ElementId;
 
 use super::arrangement::{Arrangement, Point};
-use super::soup::first_t;
+use super::shell::Body;
+use super::soup::{Nearest, first_t};
 use super::triangle::{Line, closest_point};
 use super::vector::{add, basis, cross, distance, dot, length, max_abs, scale, sub, unit};
 use super::{TrueAnswer, Truth, start};
 use crate::trace::Ray;
 
-/// Points tried for an answer `InSolid`.
-const SOLID_POINTS: usize = 512;
+/// Triangles near which points are tried for an answer `InSolid`: the nearest ones.
+const SOLID_TRIANGLES: usize = 24;
 
 /// An answer to look for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +33,8 @@ pub(crate) struct Search<'a> {
     across: [[f64; 3]; 2],
     /// How far beside an edge a witness passes.
     step: f64,
-    /// Whether the surface of a carving solid is near the start, so that a shift may matter to what the ray starts in.
-    solid_near: bool,
+    /// The carving solids whose surface is near the start, so that a shift may matter to what the ray starts in.
+    near_solids: Vec<&'a (ElementId, Body)>,
     in_solid: bool,
 }
 
@@ -44,18 +45,24 @@ pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Optio
     let body = &truth.solids[index].1;
     let origin = start(ray)?;
     let step = step_at(max_abs(origin));
+    let mut surface = body.surface_near(origin, truth.tolerance);
+    surface.sort_by(|a, b| distance(a.0, origin).total_cmp(&distance(b.0, origin)));
     let mut shifts = Vec::new();
-    for (q, normal) in body.surface_near(origin, truth.tolerance) {
+    for (q, normal) in surface.into_iter().take(SOLID_TRIANGLES) {
         let n = unit(normal);
         for step in [step, 100.0 * step, 1e4 * step] {
-            for side in [step, -step] {
-                shifts.push(add(sub(q, origin), scale(n, side)));
+            let mut push = |way: [f64; 3]| shifts.push(add(sub(q, origin), scale(way, step)));
+            push(n);
+            push(scale(n, -1.0));
+            // On an edge or in a corner, the way in is oblique to all faces.
+            for i in (0..27).filter(|&i| i != 13) {
+                push(unit([i % 3, i / 3 % 3, i / 9].map(|k| f64::from(k) - 0.987)));
             }
         }
     }
     shifts.retain(|shift| length(*shift) <= truth.tolerance);
     shifts.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
-    let found = shifts.iter().take(SOLID_POINTS).find(|shift| body.contains(add(origin, **shift)));
+    let found = shifts.iter().find(|shift| body.contains(add(origin, **shift)));
     found.map(|shift| length(*shift))
 }
 
@@ -78,8 +85,11 @@ impl<'a> Search<'a> {
             Sought::Escaped => 0.0,
         };
         let begin = start(ray)?;
-        let solid_near =
-            truth.solids.iter().any(|(_, body)| !body.surface_near(begin, truth.tolerance).is_empty());
+        let near_solids = truth
+            .solids
+            .iter()
+            .filter(|(_, body)| !body.surface_near(begin, truth.tolerance).is_empty())
+            .collect();
         Some(Search {
             truth,
             ray,
@@ -87,7 +97,7 @@ impl<'a> Search<'a> {
             sought,
             across: basis(line.direction),
             step: step_at(line.reach.max(far)),
-            solid_near,
+            near_solids,
             in_solid: matches!(exact, TrueAnswer::InSolid(_)),
         })
     }
@@ -114,7 +124,7 @@ impl<'a> Search<'a> {
     /// Whether what any witness needs is missing: a surface of the element near the answer's point, and a way out
     /// of the solids around the start.
     fn is_hopeless(&self) -> bool {
-        if self.in_solid && !self.solid_near {
+        if self.in_solid && self.near_solids.is_empty() {
             return true;
         }
         let Sought::Hit { t, element } = self.sought else { return false };
@@ -206,7 +216,8 @@ impl<'a> Search<'a> {
         let mut shifts = vec![0.0];
         for level in ends {
             for hit in self.truth.hits_between(&self.shifted(w, 0.0), level - tolerance, level + tolerance) {
-                shifts.extend([hit.t - level - self.step, hit.t - level + self.step]);
+                let at = hit.t - level;
+                shifts.extend([at - self.step, at, at + self.step]);
             }
         }
         shifts.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -229,12 +240,7 @@ impl<'a> Search<'a> {
     /// across, is the one sought; and how far along the ray the hit is off.
     fn answers(&self, ray: &Ray, s: f64) -> Option<f64> {
         let tolerance = self.truth.tolerance;
-        let starts_inside =
-            if self.solid_near { !self.truth.solids_at(start(ray)?).is_empty() } else { self.in_solid };
-        if starts_inside {
-            return None;
-        }
-        match (self.sought, self.truth.nearest(ray)) {
+        match (self.sought, self.nearest_from_air(ray)?) {
             (Sought::Escaped, None) => Some(0.0),
             (Sought::Hit { t, element }, Some(hit)) => {
                 let off = (hit.t + s - t).abs();
@@ -253,5 +259,41 @@ impl<'a> Search<'a> {
             }
             _ => None,
         }
+    }
+
+    /// What the ray hits first; `None` if it starts inside a carving solid.
+    ///
+    /// A start on the surface of a solid is not inside that solid, and does not hit the surface through which it
+    /// leaves it.
+    fn nearest_from_air(&self, ray: &Ray) -> Option<Option<Nearest>> {
+        if self.near_solids.is_empty() {
+            return (!self.in_solid).then(|| self.truth.nearest(ray));
+        }
+        let start = start(ray)?;
+        let touches = |body: &Body| !body.surface_near(start, self.step).is_empty();
+        let (touched, others): (Vec<_>, Vec<_>) =
+            self.truth.solids.iter().partition(|(_, body)| touches(body));
+        if others.iter().any(|(_, body)| body.contains(start)) {
+            return None;
+        }
+        // A little further on: past all that counts as touched.
+        let skin = 8.0 * self.step;
+        let ahead = add(start, scale(self.line.direction, skin));
+        let (entered, left): (Vec<_>, Vec<_>) =
+            touched.into_iter().partition(|(_, body)| body.contains(ahead));
+        let begin = first_t(ray);
+        if let Some((element, _)) = entered.first() {
+            // By rounding, the surface may lie a little behind the start.
+            let at = self.truth.hits_between(ray, begin - skin, begin + skin);
+            let met = at.into_iter().find(|hit| entered.iter().any(|solid| solid.0 == hit.element));
+            return Some(met.or(Some(Nearest { t: begin, element: *element, triangle: 0 })));
+        }
+        let first = self.truth.nearest(ray);
+        if left.is_empty() || first.is_none_or(|first| first.t > begin + skin) {
+            return Some(first);
+        }
+        let near = self.truth.hits_between(ray, begin, (begin + skin).min(ray.tmax));
+        let met = near.into_iter().find(|hit| left.iter().all(|solid| solid.0 != hit.element));
+        Some(met.or_else(|| self.truth.nearest(&Ray { tmin: begin + skin, ..*ray })))
     }
 }
