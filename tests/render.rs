@@ -307,6 +307,7 @@ fn png_holds_the_colours() {
     assert_eq!(read.into_raw(), srgb_bytes(&picture));
     let error = write_png(&picture, &folder.path().join("none").join("a.png")).unwrap_err();
     assert!(error.to_string().contains("a.png"));
+    assert_eq!(error.error.kind(), std::io::ErrorKind::NotFound);
 }
 
 /// Channels of an OpenEXR file, by name.
