@@ -452,7 +452,7 @@ fn scenes_without_rooms_are_seen_from_outside() {
 #[cfg(feature = "gltf")]
 #[test]
 fn views_of_real_buildings_show_rooms() {
-    use enfilade::importers::{ImportOptions, gltf};
+    use enfilade::importers::{ImportOptions, import};
     let Some(folder) = std::env::var_os("ENFILADE_BUILDINGS") else {
         println!("SKIPPED: ENFILADE_BUILDINGS is not set");
         return;
@@ -463,7 +463,7 @@ fn views_of_real_buildings_show_rooms() {
     assert!(!files.is_empty());
     for file in files {
         let name = file.display();
-        let model = gltf::read(&file, &ImportOptions::default()).unwrap();
+        let model = import(&file, &ImportOptions::default()).unwrap();
         let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
         let camera = auto_view(&scene);
         let Place::Air { room: Some(room), .. } = scene.locate(camera.eye()) else {
