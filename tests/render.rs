@@ -307,6 +307,7 @@ fn png_holds_the_colours() {
     assert_eq!(read.into_raw(), srgb_bytes(&picture));
     let error = write_png(&picture, &folder.path().join("none").join("a.png")).unwrap_err();
     assert!(error.to_string().contains("a.png"));
+    assert_eq!(error.error.kind(), std::io::ErrorKind::NotFound);
 }
 
 /// Channels of an OpenEXR file, by name.
@@ -409,8 +410,13 @@ fn room_views_stand_near_the_middle_of_each_room() {
             assert!((0..2).all(|i| (eye[i] - (lo[i] + hi[i]) / 2.0).abs() < 0.2), "{eye:?}");
             assert!((eye[2] - lo[2] - 1.6).abs() < 1e-3, "{eye:?}");
         }
-        let sum: f64 = views.iter().map(|v| v.forward()[0].abs() + v.forward()[1].abs()).sum();
-        assert!((sum - 4.0 * 2f64.sqrt()).abs() < 1e-9, "four ways, off the axes");
+        // The first into a corner, the others a quarter turn on each.
+        let forward: Vec<[f64; 3]> = views.iter().map(Camera::forward).collect();
+        let slope = (hi[1] - lo[1]) / (hi[0] - lo[0]);
+        assert!((forward[0][1] / forward[0][0] - slope).abs() < 1e-9 && forward[0][0] > 0.0);
+        for (a, b) in forward.iter().zip(&forward[1..]) {
+            assert!((a[0] - b[1]).abs() < 1e-9 && (a[1] + b[0]).abs() < 1e-9 && b[2] == 0.0, "{a:?} {b:?}");
+        }
     }
     assert!(room_views(&scene, 0).is_empty());
 }

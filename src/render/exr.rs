@@ -8,8 +8,8 @@ use exr::prelude::{
     WritableImage,
 };
 
-use super::atomic::{self, WriteError};
 use super::picture::{Picture, Pixel};
+use super::write::{WriteError, write};
 
 /// Writes a picture to the OpenEXR file `path`: one layer, compressed without loss, with these channels.
 ///
@@ -61,7 +61,5 @@ pub fn write_exr(picture: &Picture, path: &Path, frame: &Frame) -> Result<(), Wr
     let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels.into_iter().collect()));
     let image = Image::from_layer(layer);
     // Not in parallel: that would start a pool of its own beside the caller's.
-    atomic::write(path, |writer| {
-        image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
-    })
+    write(path, |writer| image.write().non_parallel().to_buffered(writer).map_err(std::io::Error::other))
 }

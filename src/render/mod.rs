@@ -10,7 +10,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod atomic;
 mod camera;
 mod camera_file;
 mod color;
@@ -22,8 +21,8 @@ mod png;
 mod shade;
 mod stand;
 mod views;
+mod write;
 
-pub use atomic::WriteError;
 pub use camera::{Camera, CameraError, Pinhole};
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
 pub use color::{
@@ -35,3 +34,4 @@ pub use numbered::numbered;
 pub use picture::{Picture, Pixel};
 pub use png::{srgb_bytes, write_png};
 pub use views::{auto_view, outside_view, room_views};
+pub use write::WriteError;

@@ -5,9 +5,9 @@ use std::path::Path;
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
 
-use super::atomic::{self, WriteError};
 use super::color::to_srgb;
 use super::picture::Picture;
+use super::write::{WriteError, write};
 
 /// The colours of a picture as sRGB, three bytes a pixel, rows from the top. Radiance over 1 is cut.
 pub fn srgb_bytes(picture: &Picture) -> Vec<u8> {
@@ -21,9 +21,9 @@ pub fn srgb_bytes(picture: &Picture) -> Vec<u8> {
 /// [`WriteError`], which names the file.
 pub fn write_png(picture: &Picture, path: &Path) -> Result<(), WriteError> {
     let bytes = srgb_bytes(picture);
-    atomic::write(path, |writer| {
+    write(path, |writer| {
         PngEncoder::new(writer)
             .write_image(&bytes, picture.width(), picture.height(), image::ExtendedColorType::Rgb8)
-            .map_err(|error| error.to_string())
+            .map_err(std::io::Error::other)
     })
 }

@@ -142,7 +142,8 @@ impl Panorama {
     }
 }
 
-/// Level views from 1.6 m above the floor near the middle of each room, `per_room` of them all around. Rooms in which
+/// Level views from 1.6 m above the floor near the middle of each room, `per_room` of them all around, the first
+/// along the diagonal of the room's bounds. Rooms in which
 /// nobody can stand are left out. The same scene gives the same views.
 pub fn room_views(scene: &Scene, per_room: u32) -> Vec<Camera> {
     let mut views = Vec::new();
@@ -153,8 +154,9 @@ pub fn room_views(scene: &Scene, per_room: u32) -> Vec<Camera> {
         let nearest =
             clear_places(scene, index).into_iter().reduce(|a, b| if away(&b) < away(&a) { b } else { a });
         if let Some(stand) = nearest {
-            // Half a step off the axes, along which walls run.
-            let azimuth = |i: u32| (f64::from(i) + 0.5) / f64::from(per_room) * TAU;
+            // Into a corner first: off the axes, along which walls run.
+            let corner = (hi.y - lo.y).atan2(hi.x - lo.x);
+            let azimuth = |i: u32| corner + f64::from(i) / f64::from(per_room) * TAU;
             views.extend((0..per_room).map(|i| Camera::level(stand.eye, azimuth(i), INSIDE_FOV)));
         }
     }
