@@ -72,7 +72,7 @@ fn turn(d: Point) -> f64 {
 }
 
 impl Arrangement {
-    /// The disc. Points keep `step` away from the segments (and a thousand times that, where there is room).
+    /// The disc. Points keep `step` away from the segments, and greater distances, up to 1e5 times that, as well.
     pub(crate) fn new(radius: f64, step: f64) -> Arrangement {
         Arrangement { radius, step, segments: Vec::new() }
     }
@@ -150,8 +150,8 @@ impl Arrangement {
         p.map(|c| (c / (share * self.step)).round() as i64)
     }
 
-    fn steps(&self) -> [f64; 2] {
-        [self.step, (1000.0 * self.step).min(self.radius / 8.0)]
+    fn steps(&self) -> [f64; 3] {
+        [1.0, 300.0, 1e5].map(|many| (many * self.step).min(self.radius / 8.0))
     }
 
     /// Ends and crossings of segments within the disc.

@@ -31,8 +31,10 @@ pub(crate) struct Search<'a> {
     sought: Sought,
     /// Two directions across the ray.
     across: [[f64; 3]; 2],
-    /// How far beside an edge a witness passes.
+    /// The least distance at which a witness passes an edge: as small as f64 can tell.
     step: f64,
+    /// A start that is no farther than this from a surface is on it.
+    touch: f64,
     /// The carving solids whose surface is near the start, so that a shift may matter to what the ray starts in.
     near_solids: Vec<&'a (ElementId, Body)>,
     in_solid: bool,
@@ -44,7 +46,7 @@ pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Optio
     let index = truth.solids.binary_search_by_key(&element, |solid| solid.0).ok()?;
     let body = &truth.solids[index].1;
     let origin = start(ray)?;
-    let step = step_at(max_abs(origin));
+    let step = touch_at(max_abs(origin));
     let mut surface = body.surface_near(origin, truth.tolerance);
     surface.sort_by(|a, b| distance(a.0, origin).total_cmp(&distance(b.0, origin)));
     let mut shifts = Vec::new();
@@ -66,8 +68,13 @@ pub(crate) fn inside_near(truth: &Truth, ray: &Ray, element: ElementId) -> Optio
     found.map(|shift| length(*shift))
 }
 
-/// A nanometre, or more where coordinates are so large that f64 cannot tell.
+/// Many roundings of coordinates of this size: 3e-12 m in a building of 30 m.
 fn step_at(reach: f64) -> f64 {
+    2f64.powi(-43) * reach.max(1.0)
+}
+
+/// A nanometre, or more where coordinates are so large that f64 cannot tell.
+fn touch_at(reach: f64) -> f64 {
     1e-9 * (reach / 1000.0).max(1.0)
 }
 
@@ -97,6 +104,7 @@ impl<'a> Search<'a> {
             sought,
             across: basis(line.direction),
             step: step_at(line.reach.max(far)),
+            touch: touch_at(line.reach.max(far)),
             near_solids,
             in_solid: matches!(exact, TrueAnswer::InSolid(_)),
         })
@@ -142,7 +150,7 @@ impl<'a> Search<'a> {
     }
 
     fn is_close(&self, corners: &super::triangle::Corners, p: [f64; 3]) -> bool {
-        distance(closest_point(corners, p), p) <= self.truth.tolerance * (1.0 + 1e-6) + self.step
+        distance(closest_point(corners, p), p) <= self.truth.tolerance * (1.0 + 1e-6) + self.touch
     }
 
     /// Where the ray starts and ends.
@@ -270,14 +278,14 @@ impl<'a> Search<'a> {
             return (!self.in_solid).then(|| self.truth.nearest(ray));
         }
         let start = start(ray)?;
-        let touches = |body: &Body| !body.surface_near(start, self.step).is_empty();
+        let touches = |body: &Body| !body.surface_near(start, self.touch).is_empty();
         let (touched, others): (Vec<_>, Vec<_>) =
             self.truth.solids.iter().partition(|(_, body)| touches(body));
         if others.iter().any(|(_, body)| body.contains(start)) {
             return None;
         }
         // A little further on: past all that counts as touched.
-        let skin = 8.0 * self.step;
+        let skin = 8.0 * self.touch;
         let ahead = add(start, scale(self.line.direction, skin));
         let (entered, left): (Vec<_>, Vec<_>) =
             touched.into_iter().partition(|(_, body)| body.contains(ahead));
