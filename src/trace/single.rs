@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::cost::Cost;
 use super::begin::Begin;
+use super::cost::Cost;
 use super::kernel::{Kernel, run_counted};
 use super::ray::{Answer, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk};
@@ -87,7 +87,13 @@ impl Scene {
 
     /// The answer, with `nearest` to find the nearest triangle.
     #[inline]
-    fn answer(&self, start: Start<'_>, ray: &Ray, want: Want, mut nearest: impl FnMut(&Query) -> Found) -> Hit {
+    fn answer(
+        &self,
+        start: Start<'_>,
+        ray: &Ray,
+        want: Want,
+        mut nearest: impl FnMut(&Query) -> Found,
+    ) -> Hit {
         let Some(mut line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
         let mut found = nearest(&line.query(&self.tables, surface(start, &line)));
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
@@ -101,8 +107,10 @@ impl Scene {
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
-                    line.origin += way;
-                    found = nearest(&line.query(&self.tables, None));
+                    let aside = Line { origin: line.origin + way, ..line };
+                    found = nearest(&aside.query(&self.tables, None));
+                    // Back from the other ray's origin to this one's.
+                    found.t = (found.t + way.dot(line.direction)).max(line.tmin);
                 }
             }
         }
@@ -215,7 +223,15 @@ impl Line {
     pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
-        Query::new(self.origin, self.direction, (self.tmin, self.tmax), self.start, scene.center, root, surface)
+        Query::new(
+            self.origin,
+            self.direction,
+            (self.tmin, self.tmax),
+            self.start,
+            scene.center,
+            root,
+            surface,
+        )
     }
 }
 

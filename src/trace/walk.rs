@@ -140,6 +140,9 @@ impl Query {
             return false;
         }
         let t = (u * a[2] + v * b[2] + w * c[2]) / det;
+        // Seen almost edge-on, rounding could put it anywhere; the triangle's own depth bounds it.
+        let (nearest, farthest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+        let t = t.max(nearest).min(farthest);
         // The negated form also turns away NaN.
         if !(t >= self.tmin && t <= best.t) || (t == best.t && index >= best.triangle) {
             return false;
