@@ -360,7 +360,7 @@ fn origins_between_two_solids_that_touch() {
     }
     // Leaving a solid into the air, its own surface is not met.
     for x in [0.0, 4e-4] {
-        assert_eq!(judge(x, -1.0, hit(x, 0)).is_right(), false, "{x}");
+        assert!(!judge(x, -1.0, hit(x, 0)).is_right(), "{x}");
         assert!(judge(x, -1.0, Answer::Escaped).is_right());
     }
 }
