@@ -5,7 +5,7 @@
 //! goes through the one careful test.
 
 use super::soup::{Best, Nearest, Soup};
-use super::triangle::{Line, SIDE_ERROR};
+use super::triangle::{Line, Size};
 use super::{parallel, vector};
 use crate::trace::Ray;
 
@@ -17,11 +17,12 @@ const BLOCKS: usize = 48;
 /// Rays of one job.
 const RAYS: usize = 32;
 
-/// Eight triangles: the nine coordinates of their corners, and their reach.
+/// Eight triangles: the nine coordinates of their corners, and their sizes.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     corners: [[f64; LANES]; 9],
     reach: [f64; LANES],
+    span: [f64; LANES],
 }
 
 /// The soup in blocks.
@@ -35,16 +36,17 @@ impl Brute {
         let blocks = soup
             .corners
             .chunks(LANES)
-            .zip(soup.reach.chunks(LANES))
-            .map(|(corners, reach)| {
-                let mut block = Block { corners: [[0.0; LANES]; 9], reach: [0.0; LANES] };
+            .zip(soup.sizes.chunks(LANES))
+            .map(|(corners, sizes)| {
+                let mut block = Block { corners: [[0.0; LANES]; 9], reach: [0.0; LANES], span: [0.0; LANES] };
                 // The last block is filled up by repeating its last triangle; the copies are never looked at.
                 for lane in 0..LANES {
                     let from = lane.min(corners.len() - 1);
                     for i in 0..9 {
                         block.corners[i][lane] = corners[from][i / 3][i % 3];
                     }
-                    block.reach[lane] = reach[from];
+                    block.reach[lane] = sizes[from].reach;
+                    block.span[lane] = sizes[from].span;
                 }
                 block
             })
@@ -104,14 +106,14 @@ impl Block {
         let (o, d) = (line.origin, line.direction);
         let c = &self.corners;
         for lane in 0..LANES {
-            let p = [c[0][lane] - o[0], c[1][lane] - o[1], c[2][lane] - o[2]];
-            let q = [c[3][lane] - o[0], c[4][lane] - o[1], c[5][lane] - o[2]];
-            let r = [c[6][lane] - o[0], c[7][lane] - o[1], c[8][lane] - o[2]];
-            let s = vector::dot(d, vector::cross(q, r));
-            let t = vector::dot(d, vector::cross(r, p));
-            let u = vector::dot(d, vector::cross(p, q));
-            let size = self.reach[lane] + line.reach;
-            let error = SIDE_ERROR * size * size;
+            let p = [c[0][lane], c[1][lane], c[2][lane]];
+            let q = [c[3][lane], c[4][lane], c[5][lane]];
+            let r = [c[6][lane], c[7][lane], c[8][lane]];
+            let s = vector::dot(d, vector::cross(vector::sub(q, o), vector::sub(r, q)));
+            let t = vector::dot(d, vector::cross(vector::sub(r, o), vector::sub(p, r)));
+            let u = vector::dot(d, vector::cross(vector::sub(p, o), vector::sub(q, p)));
+            let size = Size { reach: self.reach[lane], span: self.span[lane] };
+            let error = size.side_error(line.reach);
             let some_right = (s < -error) | (t < -error) | (u < -error);
             let some_left = (s > error) | (t > error) | (u > error);
             missed[lane] = u64::from(some_right & some_left);

@@ -17,6 +17,7 @@
 //! A cell with many triangles gets a grid of its own, so that a stray element a thousand kilometres away costs some
 //! levels and no memory. Grids are made as fine as the number of references allows, never finer.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::soup::{Best, Soup, first_t};
@@ -106,7 +107,7 @@ impl Level {
 impl Grid {
     /// A grid that also serves [`Grid::near_line`] and [`Grid::near_point`] up to `tolerance`.
     pub(crate) fn new(soup: &Soup, tolerance: f64) -> Grid {
-        let reach = soup.reach.iter().fold(0.0, |a: f64, b| a.max(*b));
+        let reach = soup.sizes.iter().fold(0.0, |a: f64, size| a.max(size.reach));
         let far = 4.0 * reach.max(NEAR);
         let slop = SLOP * far;
         let pad = tolerance + 2.0 * slop;
@@ -307,25 +308,26 @@ impl Builder<'_> {
             let mut level = new_level(bounds, target);
             let cells: usize = level.count.iter().product();
             let most = (SHARE * triangles.len()).min(self.left.saturating_sub(cells));
-            if cells > 1 && self.left > cells {
-                if let Some((starts, lists)) = self.sort_into(&level, triangles, most) {
-                    let fullest = starts.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
-                    if fullest as usize * 10 > triangles.len() * 9 && lists.len() > 2 * triangles.len() {
-                        return false;
-                    }
-                    level.first_cell = self.grid.cells.len();
-                    self.left -= cells;
-                    self.grid.cells[cell] = Cell { start: self.grid.levels.len() as u32, count: NESTED };
-                    self.grid.cells.resize(level.first_cell + cells, Cell::default());
-                    self.grid.levels.push(level.clone());
-                    for number in 0..cells {
-                        let (x, rest) = (number % level.count[0], number / level.count[0]);
-                        let at = [x, rest % level.count[1], rest / level.count[1]];
-                        let list = &lists[starts[number] as usize..starts[number + 1] as usize];
-                        self.fill(level.first_cell + number, list, level.cell_bounds(at), depth + 1);
-                    }
-                    return true;
+            if cells > 1
+                && self.left > cells
+                && let Some((starts, lists)) = self.sort_into(&level, triangles, most)
+            {
+                let fullest = starts.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
+                if fullest as usize * 10 > triangles.len() * 9 && lists.len() > 2 * triangles.len() {
+                    return false;
                 }
+                level.first_cell = self.grid.cells.len();
+                self.left -= cells;
+                self.grid.cells[cell] = Cell { start: self.grid.levels.len() as u32, count: NESTED };
+                self.grid.cells.resize(level.first_cell + cells, Cell::default());
+                self.grid.levels.push(level.clone());
+                for number in 0..cells {
+                    let (x, rest) = (number % level.count[0], number / level.count[0]);
+                    let at = [x, rest % level.count[1], rest / level.count[1]];
+                    let list = &lists[starts[number] as usize..starts[number + 1] as usize];
+                    self.fill(level.first_cell + number, list, level.cell_bounds(at), depth + 1);
+                }
+                return true;
             }
             target /= 8.0;
         }
@@ -420,7 +422,9 @@ impl Slab {
     /// Whether the box around `center` may come within the pad of the plane.
     fn meets(&self, center: [f64; 3]) -> bool {
         let way = sub(center, self.corner);
-        // Written so that a NaN counts as a meeting.
-        !(dot(self.normal, way).abs() > self.width * (1.0 + 1e-9) + self.doubt * max_abs(way))
+        let far =
+            dot(self.normal, way).abs().partial_cmp(&(self.width * (1.0 + 1e-9) + self.doubt * max_abs(way)));
+        // A NaN counts as a meeting.
+        far != Some(Ordering::Greater)
     }
 }

@@ -1,9 +1,9 @@
 //! The truth: what a ray meets in the model's own triangles, in f64.
 //!
 //! It shares no code with the tracer, and uses other formulas: the sides of edges with exact signs where f64 is not
-//! sure ([`triangle`]), a search through all triangles ([`brute`]), nested uniform grids that rule triangles out
-//! for the large runs ([`grid`], checked against the brute force by [`Truth::check_grid`]), solid angles for what is
-//! inside a solid ([`shell`]). What makes an answer *right* is written down in [`right`].
+//! sure (`triangle`), a search through all triangles (`brute`), nested uniform grids that rule triangles out
+//! for the large runs (`grid`, checked against the brute force by [`Truth::check_grid`]), solid angles for what is
+//! inside a solid (`shell`). What makes an answer *right* is written down in [`right`].
 
 mod arrangement;
 mod brute;
@@ -78,6 +78,8 @@ pub struct Truth {
     grid: Grid,
     /// The carving solids: the elements of role solid that have a closed component.
     solids: Vec<(ElementId, Body)>,
+    /// Their boxes, side by side: most points are in none or few.
+    solid_bounds: Vec<Bounds>,
     tolerance: f64,
 }
 
@@ -109,14 +111,15 @@ impl Truth {
         let solid: Vec<usize> =
             (0..model.elements.len()).filter(|&index| role(ElementId(index as u32)) == Role::Solid).collect();
         let bodies = parallel::map(solid.len(), |i| Body::of(&model.elements[solid[i]].mesh));
-        let solids = solid
+        let solids: Vec<(ElementId, Body)> = solid
             .iter()
             .zip(bodies)
             .filter_map(|(&index, body)| Some((ElementId(index as u32), body?)))
             .collect();
+        let solid_bounds = solids.iter().map(|(_, body)| body.bounds).collect();
         let brute = Brute::new(&soup);
         let grid = Grid::new(&soup, tolerance);
-        Truth { soup, brute, grid, solids, tolerance }
+        Truth { soup, brute, grid, solids, solid_bounds, tolerance }
     }
 
     /// The tolerance, metres.
@@ -150,7 +153,12 @@ impl Truth {
 
     /// The carving solids that `point` is inside of, in the order of the model. On a surface either may be said.
     pub fn solids_at(&self, point: [f64; 3]) -> Vec<ElementId> {
-        self.solids.iter().filter(|(_, body)| body.contains(point)).map(|(element, _)| *element).collect()
+        self.solids
+            .iter()
+            .zip(&self.solid_bounds)
+            .filter(|((_, body), bounds)| bounds.contains(point) && body.contains(point))
+            .map(|((element, _), _)| *element)
+            .collect()
     }
 
     /// The exact answer. What is no ray (see [`Ray::is_valid`]) meets nothing.

@@ -25,7 +25,9 @@ pub enum RayKind {
     /// From anywhere in a carving solid's box, in all directions alike. Without solids: as [`RayKind::Box`].
     Solid,
     /// Hard cases, in equal parts: along an axis; at a vertex; at the middle of an edge; from a point on a surface,
-    /// in any direction and along an axis; from one vertex at another; along an edge.
+    /// in any direction and along an axis; from one vertex at another; along an edge, a nanometre to a millimetre
+    /// beside it. (A ray on the very line of an edge touches one corner after the other, and rounding decides about
+    /// each of them by itself: no single ray need have such an answer.)
     Hard,
 }
 
@@ -124,7 +126,10 @@ impl<'a> RaySource<'a> {
                 let other = self.triangle(random).unwrap_or(corners)[random.below(3)];
                 Ray::new(a, or_up(sub(other, a)))
             }
-            _ => Ray::new(sub(a, sub(b, a)), or_up(sub(b, a))),
+            _ => {
+                let beside = scale(random.direction(), 10f64.powf(random.between(-9.0, -3.0)));
+                Ray::new(add(sub(a, sub(b, a)), beside), or_up(sub(b, a)))
+            }
         }
     }
 

@@ -8,8 +8,8 @@
 //! `w` across the ray and a shift `s` along it, such that for the ray from `o + w + s d` with the same direction,
 //! `tmin` and `tmax`
 //!
-//! - the start is inside no carving solid (a start *on* the surface of a solid is not inside it, and does not hit
-//!   the surface through which it leaves it),
+//! - the start is inside no carving solid (a start *on* the surface of a solid is not inside it, and the ray does not
+//!   hit the surface through which it leaves the solid, or along which it runs),
 //! - *for an answer `Hit` on element `e` at `t`*: the exact hit is at the point `o + w + (t + r) d`. Element `e` is
 //!   the one that is hit there, or is hit at most the tolerance behind it (*flush* surfaces count as equal; `r` is
 //!   then measured to the surface of `e`, and the nearest one must be within the tolerance of `t` too);

@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 
 use enfilade_importers::Mesh;
 
-use super::triangle::{Corners, Line, closest_point, pierce, reach};
+use super::triangle::{Corners, Line, Size, closest_point, pierce};
 use super::vector::{Bounds, cross, distance, dot, length, sub};
 use crate::trace::Ray;
 
@@ -134,13 +134,13 @@ impl Shell {
     fn is_odd(&self, p: [f64; 3]) -> bool {
         let (mut odd, mut votes) = (0, 0);
         for direction in OBLIQUE {
-            if let Some(line) = Line::new(&Ray::new(p, direction)) {
-                if let Some(is_odd) = self.crossings(&line) {
-                    odd += u32::from(is_odd);
-                    votes += 1;
-                    if votes == VOTES {
-                        break;
-                    }
+            if let Some(line) = Line::new(&Ray::new(p, direction))
+                && let Some(is_odd) = self.crossings(&line)
+            {
+                odd += u32::from(is_odd);
+                votes += 1;
+                if votes == VOTES {
+                    break;
                 }
             }
         }
@@ -151,11 +151,11 @@ impl Shell {
     fn crossings(&self, line: &Line) -> Option<bool> {
         let mut odd = false;
         for corners in &self.triangles {
-            let reach = reach(corners);
-            if let Some(t) = pierce(line, corners, reach).filter(|&t| t > 0.0) {
+            let size = Size::of(corners);
+            if let Some(t) = pierce(line, corners, size).filter(|&t| t > 0.0) {
                 // A line through an edge pierces two triangles at once: too close to call.
                 let at = line.at(t);
-                let slack = 1e-12 * (reach + line.reach);
+                let slack = 1e-12 * (size.reach + line.reach);
                 let touches = (0..3).any(|i| {
                     let (a, b) = (corners[i], corners[(i + 1) % 3]);
                     length(cross(sub(b, a), sub(at, a))) <= slack * length(sub(b, a))

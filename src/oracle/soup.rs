@@ -2,7 +2,7 @@
 
 use enfilade_importers::{ElementId, Model, Role};
 
-use super::triangle::{self, Corners, Line};
+use super::triangle::{self, Corners, Line, Size};
 use super::vector::Bounds;
 use crate::trace::Ray;
 
@@ -21,8 +21,7 @@ pub struct Nearest {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Soup {
     pub(crate) corners: Vec<Corners>,
-    /// See [`triangle::reach`].
-    pub(crate) reach: Vec<f64>,
+    pub(crate) sizes: Vec<Size>,
     /// The first triangle of each element of the model, and the end.
     pub(crate) first: Vec<u32>,
     pub(crate) bounds: Option<Bounds>,
@@ -57,7 +56,7 @@ impl Soup {
             for triangle in 0..element.mesh.triangles.len() {
                 let corners = element.mesh.corners(triangle);
                 bounds = bounds.union(Bounds::of(&corners));
-                soup.reach.push(triangle::reach(&corners));
+                soup.sizes.push(Size::of(&corners));
                 soup.corners.push(corners);
             }
         }
@@ -73,7 +72,7 @@ impl Soup {
     /// `t` where the line pierces triangle `index`.
     pub(crate) fn pierce(&self, line: &Line, index: u32) -> Option<f64> {
         let i = index as usize;
-        triangle::pierce(line, &self.corners[i], self.reach[i])
+        triangle::pierce(line, &self.corners[i], self.sizes[i])
     }
 
     /// [`Soup::pierce`], within the ray's own `tmin` and `tmax`.

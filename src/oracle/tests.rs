@@ -358,9 +358,19 @@ fn origins_between_two_solids_that_touch() {
             assert_eq!(judge(x, dx, Answer::Escaped), wrong(Why::StartsInSolid));
         }
     }
+    // Along the joint nothing is entered: the ray goes on to the end, or starts in either solid.
+    for x in [1.0, 1.0 - 1e-16, 1.0 + 1e-15] {
+        let along = Ray::new([x, 0.4, 0.6], [0.0, 1.0, 0.0]);
+        let right = |answer| truth.judge(&along, &answer).verdict.is_right();
+        assert!(right(Answer::InSolid(0)) && right(Answer::InSolid(1)) && right(hit(0.6, 0)));
+        assert!(!right(hit(0.602, 0)) && !right(hit(0.3, 0)));
+    }
+    // A slope of a thousandth enters.
+    let slanted = Ray::new([1.0, 0.4, 0.6], [1e-3, 1.0, 0.0]);
+    assert!(!truth.judge(&slanted, &hit(0.6 * (1.0 + 5e-7), 1)).verdict.is_right());
     // Leaving a solid into the air, its own surface is not met.
     for x in [0.0, 4e-4] {
-        assert_eq!(judge(x, -1.0, hit(x, 0)).is_right(), false, "{x}");
+        assert!(!judge(x, -1.0, hit(x, 0)).is_right(), "{x}");
         assert!(judge(x, -1.0, Answer::Escaped).is_right());
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! The line pierces the closed triangle `abc` if it passes the three edges on the same side: the signs of
 //! `d . (b x c)`, `d . (c x a)`, `d . (a x b)` (corners relative to the ray's origin; the Pluecker products of the
-//! line with the edges) do not contradict each other. A sign that f64 cannot settle is taken exactly, so that two
+//! line with the edges) do not contradict each other. In f64 they are computed as `d . (b x (c - b))` and so on,
+//! which loses less where triangles are small and far. A sign that f64 cannot settle is taken exactly, so that two
 //! triangles that share an edge or a vertex never leave a gap, and a line through an edge meets both. A line in the
 //! triangle's plane does not pierce it; it meets the neighbours across the edge.
 
@@ -16,9 +17,10 @@ pub(crate) type Corners = [[f64; 3]; 3];
 /// Half the distance from 1 to the next f64.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// Times the square of the largest coordinate: bounds the error of a side that was computed in f64. The sum of
-/// the absolute products is at most `2 sqrt(3) m^2`, each carries at most 7 roundings; the factor is twice that.
-pub(crate) const SIDE_ERROR: f64 = 64.0 * U;
+/// Times the largest coordinate relative to the origin, times that of the edges: bounds the error of a side that was
+/// computed in f64. The sum of the absolute products is at most `2 sqrt(3)` times these, and each carries at most 7
+/// roundings; the factor is more than twice that.
+const SIDE_ERROR: f64 = 64.0 * U;
 
 /// A computed `t` is at most this times `1 + |t|` from the exact one.
 pub(crate) const T_ERROR: f64 = 1e-10;
@@ -52,19 +54,39 @@ impl Line {
     }
 }
 
-/// The largest coordinate of the corners, without its sign.
-pub(crate) fn reach(corners: &Corners) -> f64 {
-    max_abs(corners[0]).max(max_abs(corners[1])).max(max_abs(corners[2]))
+/// How large a triangle's numbers are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size {
+    /// The largest coordinate of the corners, without its sign.
+    pub(crate) reach: f64,
+    /// The largest coordinate of the edges, without its sign.
+    pub(crate) span: f64,
 }
 
-/// Where the whole line (both ways from its origin) pierces the triangle: `t` along the normalised direction, to
-/// within [`T_ERROR`]. `reach` is the triangle's, see [`reach`].
-pub(crate) fn pierce(line: &Line, corners: &Corners, reach: f64) -> Option<f64> {
+impl Size {
+    pub(crate) fn of([a, b, c]: &Corners) -> Size {
+        let span = max_abs(sub(*b, *a)).max(max_abs(sub(*c, *b))).max(max_abs(sub(*a, *c)));
+        Size { reach: max_abs(*a).max(max_abs(*b)).max(max_abs(*c)), span }
+    }
+
+    /// Bounds the error of the triangle's sides, for a line whose origin has this reach.
+    #[inline]
+    pub(crate) fn side_error(self, origin_reach: f64) -> f64 {
+        SIDE_ERROR * (self.reach + origin_reach) * self.span
+    }
+}
+
+/// Where the whole line (both ways from its origin) pierces the triangle of that size: `t` along the normalised
+/// direction, to within [`T_ERROR`].
+pub(crate) fn pierce(line: &Line, corners: &Corners, size: Size) -> Option<f64> {
     let [a, b, c] = corners.map(|corner| sub(corner, line.origin));
     let d = line.direction;
-    let sides = [dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))];
-    let size = reach + line.reach;
-    let error = SIDE_ERROR * size * size;
+    let sides = [
+        dot(d, cross(b, sub(corners[2], corners[1]))),
+        dot(d, cross(c, sub(corners[0], corners[2]))),
+        dot(d, cross(a, sub(corners[1], corners[0]))),
+    ];
+    let error = size.side_error(line.reach);
     let low = sides[0].min(sides[1]).min(sides[2]);
     let high = sides[0].max(sides[1]).max(sides[2]);
     if low < -error && high > error {
@@ -166,7 +188,7 @@ mod tests {
     use crate::oracle::vector::distance as apart;
 
     fn hit(ray: Ray, corners: Corners) -> Option<f64> {
-        pierce(&Line::new(&ray).unwrap(), &corners, reach(&corners))
+        pierce(&Line::new(&ray).unwrap(), &corners, Size::of(&corners))
     }
 
     const FLOOR: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];

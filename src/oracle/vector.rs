@@ -72,10 +72,7 @@ impl Bounds {
     }
 
     pub(crate) fn add(&mut self, p: [f64; 3]) {
-        for i in 0..3 {
-            self.lo[i] = self.lo[i].min(p[i]);
-            self.hi[i] = self.hi[i].max(p[i]);
-        }
+        *self = self.union(Bounds { lo: p, hi: p });
     }
 
     pub(crate) fn union(self, other: Bounds) -> Bounds {

@@ -16,6 +16,9 @@ use crate::trace::Ray;
 /// Triangles near which points are tried for an answer `InSolid`: the nearest ones.
 const SOLID_TRIANGLES: usize = 24;
 
+/// A ray that after this many times the distance that counts as touching still touches a surface runs along it.
+const ALONG: f64 = 1e5;
+
 /// An answer to look for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sought {
@@ -257,7 +260,7 @@ impl<'a> Search<'a> {
                 } else if hit.element == element {
                     Some(off)
                 } else {
-                    let flush = self.truth.hits_between(ray, hit.t, hit.t + tolerance);
+                    let flush = self.truth.hits_between(ray, hit.t - self.touch, hit.t + tolerance);
                     flush
                         .iter()
                         .filter(|other| other.element == element)
@@ -284,11 +287,13 @@ impl<'a> Search<'a> {
         if others.iter().any(|(_, body)| body.contains(start)) {
             return None;
         }
-        // A little further on: past all that counts as touched.
+        // A little further on, past all that counts as touched; and further, to tell rays that run along a surface:
+        // those do not enter it.
         let skin = 8.0 * self.touch;
         let ahead = add(start, scale(self.line.direction, skin));
-        let (entered, left): (Vec<_>, Vec<_>) =
-            touched.into_iter().partition(|(_, body)| body.contains(ahead));
+        let further = add(start, scale(self.line.direction, ALONG * self.touch));
+        let enters = |body: &Body| body.contains(ahead) && body.surface_near(further, self.touch).is_empty();
+        let (entered, left): (Vec<_>, Vec<_>) = touched.into_iter().partition(|(_, body)| enters(body));
         let begin = first_t(ray);
         if let Some((element, _)) = entered.first() {
             // By rounding, the surface may lie a little behind the start.
