@@ -75,11 +75,15 @@ fn add_room(element: u32, part: &Part, tables: &mut Tables) {
         closed = true;
         volume += record.measure;
         let first = record.first_triangle as usize;
+        let (mut down, mut up) = (0.0, 0.0);
         for triangle in &tables.triangles[first..first + record.triangle_count as usize] {
             let [a, b, c] = triangle.vertices.map(|v| tables.vertices[v as usize]);
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            floor_area += (-twice / 2.0).max(0.0);
+            down += (-twice / 2.0).max(0.0);
+            up += (twice / 2.0).max(0.0);
         }
+        // Of a closed mesh both are equal; of one whose triangles disagree their mean is the better guess.
+        floor_area += (down + up) / 2.0;
     }
     tables.rooms.push(RoomRecord { bounds, volume, floor_area, element, closed: u32::from(closed) });
 }

@@ -70,21 +70,33 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
         for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {
             let before = tables.triangles.len();
             index[..element.mesh.positions.len()].fill(NONE);
-            for (component, role, outward) in &part.components {
-                let count = component.triangles.len() as u64;
-                if *role == Role::Ignore {
-                    gathered.ignored_triangles += if labels { 0 } else { count };
-                    continue;
+            let mut volume = NewVolume::default();
+            // Closed components first: together they bound the element's volume.
+            for closed in [true, false] {
+                for (component, role, outward) in &part.components {
+                    if *role == Role::Ignore {
+                        gathered.ignored_triangles +=
+                            if labels || closed { 0 } else { component.triangles.len() as u64 };
+                        continue;
+                    }
+                    if (*role == Role::Air) != labels || outward.is_some() != closed {
+                        continue;
+                    }
+                    if *role == Role::Detail {
+                        let solid = matches!(element.semantic.role(), Some(Role::Solid));
+                        gathered.open_solids += u64::from(solid);
+                    }
+                    let index = &mut index;
+                    let id = if closed { tables.volumes.len() as u32 } else { NONE };
+                    add(element, e as u32, component, outward.as_ref(), id, index, tables);
+                    if let Some(outward) = outward {
+                        gathered.turned += outward.turned;
+                        volume.add(component, *role, outward);
+                    }
                 }
-                if (*role == Role::Air) != labels {
-                    continue;
+                if closed && volume.parts > 0 {
+                    tables.volumes.push(volume.record(e as u32, before as u32, tables.triangles.len() as u32));
                 }
-                if let Role::Detail = role {
-                    let solid = matches!(element.semantic.role(), Some(Role::Solid));
-                    gathered.open_solids += u64::from(solid);
-                }
-                add(element, e as u32, component, *role, outward.as_ref(), &mut index, tables);
-                gathered.turned += outward.as_ref().map_or(0, |o| o.turned);
             }
             if labels {
                 gathered.label_triangles += (tables.triangles.len() - before) as u64;
@@ -97,32 +109,54 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
     gathered
 }
 
+/// The volume that the closed components of an element bound together: a cavity looks inward, and takes off.
+#[derive(Default)]
+struct NewVolume {
+    parts: u32,
+    bounds: [[f64; 3]; 2],
+    measure: f64,
+    role: u32,
+    by_parity: bool,
+}
+
+impl NewVolume {
+    fn add(&mut self, component: &Component, role: Role, outward: &Outward) {
+        if self.parts == 0 {
+            self.bounds = component.bounds;
+        }
+        self.parts += 1;
+        for axis in 0..3 {
+            self.bounds[0][axis] = self.bounds[0][axis].min(component.bounds[0][axis]);
+            self.bounds[1][axis] = self.bounds[1][axis].max(component.bounds[1][axis]);
+        }
+        self.measure += outward.volume;
+        self.role = role as u32;
+        self.by_parity |= !outward.by_winding;
+    }
+
+    fn record(&self, element: u32, first_triangle: u32, end: u32) -> VolumeRecord {
+        VolumeRecord {
+            bounds: self.bounds,
+            measure: self.measure.abs(),
+            first_triangle,
+            triangle_count: end - first_triangle,
+            element,
+            role: self.role,
+            by_winding: u32::from(!self.by_parity),
+            room: NONE,
+        }
+    }
+}
+
 fn add(
     element: &Element,
     e: u32,
     component: &Component,
-    role: Role,
     outward: Option<&Outward>,
+    volume: u32,
     index: &mut [u32],
     tables: &mut Tables,
 ) {
-    let first = tables.triangles.len() as u32;
-    let volume = match outward {
-        Some(outward) => {
-            tables.volumes.push(VolumeRecord {
-                bounds: component.bounds,
-                measure: outward.volume,
-                first_triangle: first,
-                triangle_count: component.triangles.len() as u32,
-                element: e,
-                role: role as u32,
-                by_winding: u32::from(outward.by_winding),
-                room: NONE,
-            });
-            tables.volumes.len() as u32 - 1
-        }
-        None => NONE,
-    };
     for (i, &t) in component.triangles.iter().enumerate() {
         let corners = outward.map_or(element.mesh.triangles[t as usize], |o| o.triangles[i]);
         let vertices = corners.map(|v| {

@@ -1,8 +1,8 @@
-//! Turning the triangles of closed components outward.
+//! Turning the triangles of closed components that disagree about the outside.
 //!
-//! Real exports hold closed meshes whose triangles disagree about the outside. Across an edge of exactly two triangles
-//! the one tells the other; patches between edges of four and more are turned one by one, by what lies on either side
-//! of one of their triangles.
+//! Real exports hold closed meshes whose triangles are wound both ways. Across an edge of exactly two triangles the one
+//! tells the other; patches between edges of four and more are turned one by one, by what lies on either side of one of
+//! their triangles. Components that agree are left as they are: one that looks inward may be a cavity of another.
 
 use std::collections::BTreeMap;
 
@@ -15,45 +15,36 @@ use crate::trace::crossings;
 /// What was found out about a closed component.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Outward {
-    /// Its triangles, turned outward, as corners in the mesh's positions, in the order of the component.
+    /// Its triangles, turned where they disagreed, as corners in the mesh's positions, in the order of the component.
     pub(super) triangles: Vec<[u32; 3]>,
     /// How many were turned.
     pub(super) turned: u64,
     /// Whether the winding number decides about inside and outside (else the parity of crossings does).
     pub(super) by_winding: bool,
-    /// Volume, m3.
+    /// Volume, m3: negative if the triangles look inward.
     pub(super) volume: f64,
 }
 
 /// Components with more patches than this are not turned: every patch costs a look at all triangles.
 const MOST_PATCHES: usize = 512;
 
-/// The triangles of a closed component, turned outward as far as that can be told.
+/// The triangles of a closed component, made to agree as far as that can be told.
 pub(super) fn turn_outward(mesh: &Mesh, component: &Component) -> Outward {
-    let mut triangles: Vec<[u32; 3]> =
-        component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
+    let mut triangles: Vec<[u32; 3]> = component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
     let mut turned = 0;
-    let consistent = match component.orientation {
-        Orientation::Consistent => {
-            if component.signed_volume < 0.0 {
-                triangles.iter_mut().for_each(|t| t.swap(1, 2));
-                turned = triangles.len() as u64;
+    let mut by_winding = true;
+    if component.orientation == Orientation::Mixed {
+        let flips = flips(mesh, &triangles, component);
+        for (triangle, flip) in triangles.iter_mut().zip(&flips) {
+            if *flip {
+                triangle.swap(1, 2);
+                turned += 1;
             }
-            true
         }
-        Orientation::Mixed => {
-            let flips = flips(mesh, &triangles, component);
-            for (triangle, flip) in triangles.iter_mut().zip(&flips) {
-                if *flip {
-                    triangle.swap(1, 2);
-                    turned += 1;
-                }
-            }
-            balanced(&triangles)
-        }
-    };
+        by_winding = balanced(&triangles);
+    }
     let volume = volume(mesh, &triangles, component.bounds[0]);
-    Outward { triangles, turned, by_winding: consistent && volume > 0.0, volume: volume.abs() }
+    Outward { triangles, turned, by_winding, volume }
 }
 
 /// Which triangles to turn.
@@ -185,8 +176,13 @@ mod tests {
             }
             let component = &components(&mesh)[0];
             let outward = turn_outward(&mesh, component);
-            assert_eq!(outward.volume, 1.0);
             assert!(outward.by_winding);
+            if mixture == (1 << 12) - 1 {
+                // All inward: they agree.
+                assert_eq!((outward.turned, outward.volume), (0, -1.0));
+                continue;
+            }
+            assert_eq!(outward.volume, 1.0);
             assert_eq!(outward.turned, u64::from(mixture.count_ones()));
             assert!(outward.triangles.iter().zip(&right.triangles).all(|(a, b)| a == b), "{mixture:b}");
         }

@@ -219,7 +219,8 @@ pub struct CameraRecord {
 }
 
 /// Section `triangles`: first those that rays can meet, then those of air labels; each group in the order of its
-/// elements, within an element by component. Triangles of closed components are turned outward.
+/// elements, of an element its closed components first. Triangles of closed components that disagree about the outside
+/// are turned outward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TriangleRecord {
@@ -229,11 +230,11 @@ pub struct TriangleRecord {
     pub element: u32,
     /// Its material.
     pub material: u32,
-    /// The closed component whose boundary it is, as index into the section `volumes`, or none.
+    /// The volume whose boundary it is, as index into the section `volumes`, or none.
     pub volume: u32,
 }
 
-/// Section `volumes`: the closed components that carve (solids) or label air.
+/// Section `volumes`: what the closed components of an element bound together, that carves (solids) or labels air.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct VolumeRecord {

@@ -137,7 +137,8 @@ impl Scene {
         let point = line.origin + line.direction * found.t;
         let room = if want.room { self.room_before(line, found.t) } else { NONE };
         Hit {
-            t: found.t,
+            // Not -0.
+            t: found.t + 0.0,
             point: point.to_array(),
             normal: normal.to_array(),
             element: record.element,
