@@ -31,22 +31,17 @@ by itself on the same triangles."
 pub struct Arguments {
     #[command(subcommand)]
     what: Option<What>,
+    /// The scene (.enf), or a model, which is compiled on the fly.
+    #[arg(required = true)]
+    scene: Option<PathBuf>,
     #[command(flatten)]
-    speed: Option<Speed>,
+    common: Common,
 }
 
 #[derive(Subcommand)]
 enum What {
     /// Time beside error: wrong pixels and the largest error of every way.
     Error(Error),
-}
-
-#[derive(Args)]
-struct Speed {
-    /// The scene (.enf), or a model, which is compiled on the fly.
-    scene: PathBuf,
-    #[command(flatten)]
-    common: Common,
 }
 
 #[derive(Args)]
@@ -122,17 +117,16 @@ impl Common {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    match (&arguments.what, &arguments.speed) {
+    match (&arguments.what, &arguments.scene) {
         (Some(What::Error(error)), _) => run_error(error),
-        (None, Some(speed)) => run_speed(speed),
+        (None, Some(scene)) => run_speed(scene, &arguments.common),
         (None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
     }
 }
 
-fn run_speed(arguments: &Speed) -> Result<Outcome, Failure> {
-    let common = &arguments.common;
+fn run_speed(scene: &Path, common: &Common) -> Result<Outcome, Failure> {
     common.pool().in_pool(|| {
-        let scene = common.scene(&arguments.scene)?;
+        let scene = common.scene(scene)?;
         let views = common.views(&scene)?;
         let mut options = SpeedOptions::default();
         options.size = common.size;

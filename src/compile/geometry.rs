@@ -95,7 +95,16 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
                     }
                 }
                 if closed && volume.parts > 0 {
-                    tables.volumes.push(volume.record(e as u32, before as u32, tables.triangles.len() as u32));
+                    if volume.measure < 0.0 {
+                        // All of it inside out: from here on triangles look out of the matter, also into cavities.
+                        tables.triangles[before..].iter_mut().for_each(|t| t.vertices.swap(1, 2));
+                        gathered.turned += (tables.triangles.len() - before) as u64;
+                    }
+                    tables.volumes.push(volume.record(
+                        e as u32,
+                        before as u32,
+                        tables.triangles.len() as u32,
+                    ));
                 }
             }
             if labels {

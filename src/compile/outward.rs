@@ -30,7 +30,8 @@ const MOST_PATCHES: usize = 512;
 
 /// The triangles of a closed component, made to agree as far as that can be told.
 pub(super) fn turn_outward(mesh: &Mesh, component: &Component) -> Outward {
-    let mut triangles: Vec<[u32; 3]> = component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
+    let mut triangles: Vec<[u32; 3]> =
+        component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
     let mut turned = 0;
     let mut by_winding = true;
     if component.orientation == Orientation::Mixed {

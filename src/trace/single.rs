@@ -14,6 +14,10 @@ use crate::scene::Scene;
 /// that it starts on.
 const ON_PLANE: f64 = 1e-11;
 
+/// A plane no farther than [`ON_PLANE`] is met no farther behind than this many times as far, unless the ray runs
+/// almost in it.
+const BEHIND: f64 = 1e4;
+
 /// From where a ray starts, if the caller knows: then nothing is looked up.
 #[derive(Clone, Copy, Debug)]
 pub enum Start<'a> {
@@ -96,6 +100,7 @@ impl Scene {
     ) -> Hit {
         let Some(mut line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
         let mut found = nearest(&line.query(&self.tables, surface(start, &line)));
+        found.t = found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
             match self.begin(&line, found, &mut nearest) {
                 Begin::InSolid(element) => {
@@ -224,15 +229,9 @@ impl Line {
     pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
-        Query::new(
-            self.origin,
-            self.direction,
-            (self.tmin, self.tmax),
-            self.start,
-            scene.center,
-            root,
-            surface,
-        )
+        let tmin = surface.map_or(self.tmin, |surface| self.tmin - BEHIND * surface.near);
+        let range = (tmin, self.tmax);
+        Query::new(self.origin, self.direction, range, self.start, scene.center, root, surface)
     }
 }
 
@@ -241,8 +240,8 @@ impl Line {
 fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
     match start {
         Start::Hit(hit) => {
-            let scale = 1.0 + line.origin.abs().max_element();
-            Some(Surface { plane: ON_PLANE * scale, triangle: hit.triangle })
+            let near = ON_PLANE * (1.0 + line.origin.abs().max_element());
+            Some(Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin: line.tmin })
         }
         _ => None,
     }

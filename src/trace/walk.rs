@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::lanes::Lanes;
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord};
+use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level.
@@ -27,6 +27,7 @@ pub(super) struct Walk<'a> {
     blocks: &'a [BlockRecord],
     triangles: &'a [TriangleRecord],
     vertices: &'a [[f64; 3]],
+    volumes: &'a [VolumeRecord],
     slack: f32,
 }
 
@@ -38,6 +39,7 @@ impl<'a> Walk<'a> {
             blocks: &tables.blocks,
             triangles: &tables.triangles,
             vertices: &tables.vertices,
+            volumes: &tables.volumes,
             slack: tables.scene[0].slack,
         }
     }
@@ -52,14 +54,21 @@ pub(super) struct Found {
     pub(super) triangle: u32,
 }
 
-/// The surface that a restarted ray starts on: hits on it do not count.
+/// The surface that a restarted ray starts on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
-    /// Hits on triangles whose plane is no farther than this from the origin, metres.
-    pub(super) plane: f64,
-    /// Hits on this triangle.
+    /// Hits on this triangle do not count.
     pub(super) triangle: u32,
+    /// Its unit normal, either way.
+    pub(super) normal: DVec3,
+    /// How far, metres, the ray's origin may be off this surface and those that meet it there, by rounding.
+    pub(super) near: f64,
+    /// Hits before this do not count, save on solids that the ray enters where it starts.
+    pub(super) tmin: f64,
 }
+
+/// Normals at a smaller angle than the root of twice this belong to one plane.
+const PARALLEL: f64 = 1e-10;
 
 /// A ray made ready for a walk.
 pub(super) struct Query {
@@ -148,7 +157,7 @@ impl Query {
             return false;
         }
         if let Some(surface) = &self.surface
-            && (index == surface.triangle || self.starts_on_plane(corners, t, surface.plane))
+            && !self.counts(walk, surface, record, corners, index, t)
         {
             return false;
         }
@@ -156,11 +165,37 @@ impl Query {
         true
     }
 
-    /// Whether the plane that is hit at `t` is no farther than `near` from the origin.
-    fn starts_on_plane(&self, corners: [[f64; 3]; 3], t: f64, near: f64) -> bool {
+    /// Whether a hit counts for a ray that starts on a surface. Where it starts in an edge, rounding may have put its
+    /// origin behind the other side of that edge: what it enters there it meets, and what it leaves it does not.
+    fn counts(
+        &self,
+        walk: &Walk<'_>,
+        surface: &Surface,
+        record: &TriangleRecord,
+        corners: [[f64; 3]; 3],
+        index: u32,
+        t: f64,
+    ) -> bool {
+        if index == surface.triangle {
+            return false;
+        }
         let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
-        (t * normal.dot(self.direction)).abs() <= near * normal.length()
+        let (size, outward) = (normal.length(), normal.dot(self.direction));
+        if (t * outward).abs() > surface.near * size {
+            return t >= surface.tmin;
+        }
+        if normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size {
+            return false;
+        }
+        match walk.volumes.get(record.volume as usize) {
+            Some(volume)
+                if volume.role == enfilade_importers::Role::Solid as u32 && volume.by_winding == 1 =>
+            {
+                outward < 0.0
+            }
+            _ => t >= surface.tmin,
+        }
     }
 }
 
