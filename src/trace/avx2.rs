@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps, _mm256_loadu_ps,
+    __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_ps,
     _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps,
     _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
@@ -12,7 +12,7 @@ use super::walk::{Found, Query, Walk, walk};
 use crate::format::records::LANES;
 
 /// Eight f32 in a register. Private to this module and used only inside `walk_avx2` and `occluded_avx2`, so that it
-/// exists only where the CPU has AVX2: that is the SAFETY of every intrinsic here.
+/// exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
@@ -48,6 +48,21 @@ impl Lanes for Avx2 {
     fn mul(self, other: Self) -> Self {
         // SAFETY: see `Avx2`.
         Avx2(unsafe { _mm256_mul_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_div_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_fmadd_ps(self.0, factor.0, more.0) })
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, less: Self) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_fmsub_ps(self.0, factor.0, less.0) })
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -93,10 +108,10 @@ impl Lanes for Avx2 {
 
 /// Whether this CPU can run the kernels of this module.
 pub(super) fn is_available() -> bool {
-    std::arch::is_x86_feature_detected!("avx2")
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
 }
 
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
     walk::<Avx2, ANY>(tables, query, &mut ())
 }
@@ -104,7 +119,7 @@ fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
 /// The nearest hit, or with `ANY` some hit.
 ///
 /// # Panics
-/// If the CPU has no AVX2 (debug builds).
+/// If the CPU lacks AVX2 or FMA (debug builds).
 #[inline]
 pub(super) fn run<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
     debug_assert!(is_available());

@@ -13,6 +13,11 @@ pub(crate) trait Lanes: Copy {
     fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
+    /// `self * factor + more`, rounded once or twice.
+    fn mul_add(self, factor: Self, more: Self) -> Self;
+    /// `self * factor - less`, rounded once or twice.
+    fn mul_sub(self, factor: Self, less: Self) -> Self;
     /// The lesser of each; of a NaN and a number either.
     fn min(self, other: Self) -> Self;
     /// The greater of each; of a NaN and a number either.
@@ -73,6 +78,18 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, more: Self) -> Self {
+        self.mul(factor).add(more)
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, less: Self) -> Self {
+        self.mul(factor).sub(less)
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {

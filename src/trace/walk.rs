@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use super::NONE;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Mask};
 use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
 
@@ -229,8 +229,8 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
     if query.root == NONE {
         return best;
     }
-    let origin = query.local.map(L::splat);
     let inverse = query.inverse.map(L::splat);
+    let shift = [0, 1, 2].map(|axis| L::splat(query.local[axis] * query.inverse[axis]));
     let first = query.limit(query.tmin, walk.slack) - 4.0 * walk.slack;
     let first = L::splat(first.max(-walk.slack));
     let mut limit = query.limit(best.t, walk.slack);
@@ -246,8 +246,8 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
             for axis in 0..3 {
                 let (lo, hi) = (L::load(&node.lo[axis]), L::load(&node.hi[axis]));
                 let (enter, leave) = if query.inverse[axis] < 0.0 { (hi, lo) } else { (lo, hi) };
-                near = near.max(enter.sub(origin[axis]).mul(inverse[axis]));
-                far = far.min(leave.sub(origin[axis]).mul(inverse[axis]));
+                near = near.max(enter.mul_sub(inverse[axis], shift[axis]));
+                far = far.min(leave.mul_sub(inverse[axis], shift[axis]));
             }
             let mut hits = L::bits(near.le(far));
             if hits != 0 {
@@ -281,16 +281,30 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
         } else {
             count.block();
             let block = &walk.blocks[(current & !BLOCK_BIT) as usize];
-            let mut candidates = candidates::<L>(block, query, limit, walk.slack);
-            while candidates != 0 {
-                let lane = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
-                count.test();
-                if query.test(walk, block.triangle[lane], &mut best) {
-                    if ANY {
-                        return best;
+            let found = candidates::<L>(block, query, limit, walk.slack);
+            let mut lanes = L::bits(found.met);
+            if lanes != 0 {
+                let t = found.t.store();
+                while lanes != 0 {
+                    // The nearest first, as far as f32 can tell: it often rules the others out.
+                    let mut lane = lanes.trailing_zeros() as usize;
+                    let mut others = lanes & (lanes - 1);
+                    while others != 0 {
+                        let other = others.trailing_zeros() as usize;
+                        others &= others - 1;
+                        lane = if t[other] < t[lane] { other } else { lane };
                     }
-                    limit = query.limit(best.t, walk.slack);
+                    lanes &= !(1 << lane);
+                    if t[lane] > limit {
+                        continue;
+                    }
+                    count.test();
+                    if query.test(walk, block.triangle[lane], &mut best) {
+                        if ANY {
+                            return best;
+                        }
+                        limit = query.limit(best.t, walk.slack);
+                    }
                 }
             }
         }
@@ -312,7 +326,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
 /// by less than the slack. After Moeller and Trumbore (Fast, Minimum Storage Ray/Triangle Intersection, 1997), with an
 /// error bound on each side: |e| times the slack bounds the error of u and v, |e1||e2| times it that of t.
 #[inline(always)]
-fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f32) -> u32 {
+fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f32) -> Candidates<L> {
     let load = |v: &[[f32; LANES]; 3]| [L::load(&v[0]), L::load(&v[1]), L::load(&v[2])];
     let (corner, e1, e2) = (load(&block.corner), load(&block.edge1), load(&block.edge2));
     let d = query.toward.map(L::splat);
@@ -342,7 +356,17 @@ fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f
     let met = L::and(L::and(L::and(inside_u, inside_v), L::and(inside_w, ahead)), near);
     // Seen edge-on the sign of the determinant is not sure, and nothing above is.
     let edge_on = size.le(n1.mul(n2).mul(L::splat(EDGE_ON)));
-    L::bits(L::or(met, edge_on))
+    // Less by the bound of its error, which holds edge-on too.
+    let least = t.sub(slack12).div(size);
+    Candidates { met: L::or(met, edge_on), t: least }
+}
+
+/// What [`candidates`] found.
+struct Candidates<L> {
+    /// Lanes whose triangle the ray may meet.
+    met: Mask<L>,
+    /// No more than the distance to each.
+    t: L,
 }
 
 /// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
@@ -351,13 +375,13 @@ const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;
 #[inline(always)]
 fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [
-        a[1].mul(b[2]).sub(a[2].mul(b[1])),
-        a[2].mul(b[0]).sub(a[0].mul(b[2])),
-        a[0].mul(b[1]).sub(a[1].mul(b[0])),
+        a[1].mul_sub(b[2], a[2].mul(b[1])),
+        a[2].mul_sub(b[0], a[0].mul(b[2])),
+        a[0].mul_sub(b[1], a[1].mul(b[0])),
     ]
 }
 
 #[inline(always)]
 fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul(b[2])))
 }
