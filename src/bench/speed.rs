@@ -126,7 +126,9 @@ fn measure(
         }
         for i in 0..tracers.len() {
             seconds[i] += median(&mut times[i]);
-            let far = |(a, b): &(&Hit, &Hit)| a.t != b.t && !((a.t - b.t).abs() <= scene.tolerance());
+            let far = |(a, b): &(&Hit, &Hit)| {
+                a.t != b.t && ((a.t - b.t).abs() > scene.tolerance() || a.t.is_finite() != b.t.is_finite())
+            };
             differing[i] += hits[i].iter().zip(&hits[0]).filter(far).count() as u64;
         }
     }
