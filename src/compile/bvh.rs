@@ -191,11 +191,11 @@ impl Collapse<'_> {
         let mut block = EMPTY;
         for (lane, &t) in members.iter().enumerate() {
             let [a, b, c] = self.triangles[t as usize].map(DVec3::from);
-            let parts = [(a - self.center).as_vec3(), (b - a).as_vec3(), (c - a).as_vec3()];
+            let [corner, edge1, edge2] = [a - self.center, b - a, c - a].map(|v| v.as_vec3());
             for axis in 0..3 {
-                block.corner[axis][lane] = parts[0][axis];
-                block.edge1[axis][lane] = parts[1][axis];
-                block.edge2[axis][lane] = parts[2][axis];
+                block.corner[axis][lane] = corner[axis];
+                block.edge1[axis][lane] = edge1[axis];
+                block.edge2[axis][lane] = edge2[axis];
             }
             block.triangle[lane] = t;
         }
