@@ -1,14 +1,18 @@
-//! Convert and render: reads a model (.glb, .gltf, .obj), compiles it, and writes pictures of it.
+//! Convert and render: reads a model (.glb, .gltf, .obj), compiles it, and writes a picture of it, from the largest
+//! room or from outside.
 //!
-//!     cargo run --release --example render -- house.glb house.png
-//!     cargo run --release --example render -- house.glb house.exr --outside --color semantic --size 800x600
+//!     cargo run --release --example render -- fixtures/house.glb house.png
+//!     cargo run --release --example render -- fixtures/house.glb house.exr --outside --color semantic --size 800x600
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use std::path::PathBuf;
 
 use enfilade::importers::{ImportOptions, import};
 use enfilade::render::{ColorMode, RenderOptions, auto_view, outside_view, render, write_exr, write_png};
 use enfilade::{CompileOptions, compile};
+
+const USAGE: &str = "usage: render MODEL PICTURE.png|.exr [--outside] [--color MODE] [--size WxH]";
 
 struct Arguments {
     model: PathBuf,
@@ -18,12 +22,10 @@ struct Arguments {
     size: (u32, u32),
 }
 
-const USAGE: &str = "usage: render MODEL PICTURE.png|.exr [--outside] [--color MODE] [--size WxH]";
-
-fn arguments() -> Result<Arguments, Box<dyn Error>> {
+fn parse(words: impl IntoIterator<Item = String>) -> Result<Arguments, Box<dyn Error>> {
     let (mut files, mut is_outside, mut color, mut size) =
         (Vec::new(), false, ColorMode::Material, (1024, 1024));
-    let mut words = std::env::args().skip(1);
+    let mut words = words.into_iter();
     while let Some(word) = words.next() {
         match word.as_str() {
             "--outside" => is_outside = true,
@@ -33,6 +35,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 let (width, height) = text.split_once('x').ok_or(USAGE)?;
                 size = (width.parse()?, height.parse()?);
             }
+            option if option.starts_with("--") => return Err(USAGE.into()),
             _ => files.push(PathBuf::from(word)),
         }
     }
@@ -40,8 +43,9 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
     Ok(Arguments { model, picture, is_outside, color, size })
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = arguments()?;
+/// Does what the words of a command line say, and tells `out` about it.
+pub fn run(words: impl IntoIterator<Item = String>, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let arguments = parse(words)?;
     // Files in, building out.
     let model = import(&arguments.model, &ImportOptions::default())?;
     let scene = compile(&model, &CompileOptions::default())?.scene();
@@ -54,14 +58,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     options.frame = scene.frame();
     let picture = render(&scene, &camera, &options)?;
     if let Some(element) = picture.in_solid() {
-        eprintln!("the camera is inside {}", scene.element(element).id());
+        writeln!(out, "the camera is inside {}", scene.element(element).id())?;
     }
 
-    let path: &Path = &arguments.picture;
+    let path = &arguments.picture;
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
         write_exr(&picture, path, &scene.frame())?;
     } else {
         write_png(&picture, path)?;
     }
+    let [x, y, z] = scene.frame().point_to_source(camera.eye());
+    writeln!(out, "{} from ({x:.3} {y:.3} {z:.3})", path.display())?;
     Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    run(std::env::args().skip(1), &mut io::stdout().lock())
 }
