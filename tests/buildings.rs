@@ -1,6 +1,6 @@
 //! Real buildings, from the reader's own folder of models: `ENFILADE_BUILDINGS`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use enfilade::importers::{Frame, ImportOptions, Model, Untagged, import};
 use enfilade::roles::roles;
@@ -23,7 +23,7 @@ fn models() -> Option<Vec<PathBuf>> {
     Some(paths)
 }
 
-fn load(path: &PathBuf) -> Model {
+fn load(path: &Path) -> Model {
     import(path, &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -73,7 +73,7 @@ fn far_and_turned_models_answer_alike() {
     for far_path in models().unwrap_or_default() {
         let name = far_path.to_string_lossy().into_owned();
         let Some(plain_name) = name.strip_suffix(".geo.glb") else { continue };
-        let (plain, far) = (load(&format!("{plain_name}.glb").into()), load(&far_path));
+        let (plain, far) = (load(Path::new(&format!("{plain_name}.glb"))), load(&far_path));
         let root = root_transform(&far_path);
         let (plain_scene, far_scene) = (scene(&plain), scene(&far));
         let (rays, moved) = rays(&plain_scene, &far_scene, &root);
@@ -93,7 +93,7 @@ fn far_and_turned_models_answer_alike() {
 }
 
 /// The matrix (column by column) of the root node, or that of its translation and rotation.
-fn root_transform(path: &PathBuf) -> [[f64; 4]; 3] {
+fn root_transform(path: &Path) -> [[f64; 4]; 3] {
     let bytes = std::fs::read(path).unwrap();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
