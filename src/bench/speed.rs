@@ -126,8 +126,8 @@ fn measure(
         }
         for i in 0..tracers.len() {
             seconds[i] += median(&mut times[i]);
-            let far = |(a, b): &(&Hit, &Hit)| a.t != b.t && !((a.t - b.t).abs() <= scene.tolerance());
-            differing[i] += hits[i].iter().zip(&hits[0]).filter(far).count() as u64;
+            let differ = |(a, b): &(&Hit, &Hit)| !agree(a.t, b.t, scene.tolerance());
+            differing[i] += hits[i].iter().zip(&hits[0]).filter(differ).count() as u64;
         }
     }
     if rays == 0 {
@@ -145,6 +145,11 @@ fn measure(
         differing: differing[i],
     };
     tracers.iter().enumerate().map(row).collect()
+}
+
+/// Whether two distances are the same answer: NaN is that of a ray that starts in a solid.
+fn agree(a: f64, b: f64, tolerance: f64) -> bool {
+    a == b || (a - b).abs() <= tolerance || (a.is_nan() && b.is_nan())
 }
 
 /// One frame by one way, on all threads of the current pool.

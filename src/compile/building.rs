@@ -64,10 +64,9 @@ fn add_room(element: u32, part: &Part, tables: &mut Tables) {
     let room = tables.rooms.len() as u32;
     let mut bounds = part.components[0].0.bounds;
     for (component, ..) in &part.components {
-        for axis in 0..3 {
-            bounds[0][axis] = bounds[0][axis].min(component.bounds[0][axis]);
-            bounds[1][axis] = bounds[1][axis].max(component.bounds[1][axis]);
-        }
+        let [lo, hi] = component.bounds;
+        bounds[0] = [0, 1, 2].map(|axis| bounds[0][axis].min(lo[axis]));
+        bounds[1] = [0, 1, 2].map(|axis| bounds[1][axis].max(hi[axis]));
     }
     let (mut volume, mut floor_area, mut closed) = (0.0, 0.0, false);
     for record in tables.volumes.iter_mut().filter(|v| v.element == element) {

@@ -94,17 +94,34 @@ struct Collapse<'a> {
     out: Hierarchy,
 }
 
+/// What a visit of a node costs, beside what a visit of a block does.
+const NODE_COST: f32 = 1.0;
+const BLOCK_COST: f32 = 1.0;
+
+/// For one node of the binary tree.
+#[derive(Clone, Copy, Default)]
+struct Plan {
+    /// Triangles below it, up to what matters.
+    count: u32,
+    /// `cost[i]`: the least expected cost of what hangs below it as at most `i + 1` children of a wide node.
+    cost: [f32; LANES],
+    /// How many of those children come from its first half; 0 to make do with one child less.
+    first: [u8; LANES],
+    /// The same for its own eight children, if it becomes a wide node.
+    own: u8,
+}
+
 impl Collapse<'_> {
     fn run(mut self) -> Hierarchy {
-        let counts = self.counts();
+        let plans = self.plan();
         // (node of the binary tree, index of the wide node that it becomes, its depth)
         let mut todo = vec![(0u32, 0u32, 1u32)];
         self.out.nodes.push(empty_node());
         while let Some((root, index, depth)) = todo.pop() {
             self.out.depth = self.out.depth.max(depth);
-            for (lane, child) in self.children(root, &counts).into_iter().enumerate() {
+            for (lane, child) in self.children(root, &plans).into_iter().enumerate() {
                 let bounds = self.binary.nodes[child as usize].aabb;
-                let link = if counts[child as usize] as usize <= LANES {
+                let link = if plans[child as usize].count as usize <= LANES {
                     self.block(child)
                 } else {
                     self.out.nodes.push(empty_node());
@@ -123,9 +140,11 @@ impl Collapse<'_> {
         self.out
     }
 
-    /// How many triangles hang below each node, up to what matters.
-    fn counts(&self) -> Vec<u32> {
-        let mut counts = vec![0u32; self.binary.nodes.len()];
+    /// Which nodes of the binary tree become wide nodes and which blocks, so that the expected cost of a random ray is
+    /// least: by dynamic programming from the leaves up (Ylitie, Karras, Laine, Efficient Incoherent Ray Traversal on
+    /// GPUs Through Compressed Wide BVHs, HPG 2017, section 3.2).
+    fn plan(&self) -> Vec<Plan> {
+        let mut plans = vec![Plan::default(); self.binary.nodes.len()];
         let mut order = vec![0u32];
         let mut next = 0;
         while next < order.len() {
@@ -137,35 +156,55 @@ impl Collapse<'_> {
         }
         for &i in order.iter().rev() {
             let node = &self.binary.nodes[i as usize];
-            counts[i as usize] = if node.is_leaf() {
-                node.prim_count
+            let area = node.aabb.half_area();
+            let mut plan = Plan::default();
+            if node.is_leaf() {
+                plan.count = node.prim_count;
+                plan.cost = [area * BLOCK_COST; LANES];
             } else {
                 let first = node.first_index as usize;
-                counts[first].saturating_add(counts[first + 1])
-            };
-        }
-        counts
-    }
-
-    /// Up to eight nodes of the binary tree that replace `root`: the largest box is opened first; boxes whose
-    /// triangles fit one block are opened only while lanes are left over.
-    fn children(&self, root: u32, counts: &[u32]) -> Vec<u32> {
-        let area = |node: u32| self.binary.nodes[node as usize].aabb.half_area();
-        let mut children = vec![root];
-        while children.len() < LANES {
-            let mut best: Option<usize> = None;
-            for (i, &child) in children.iter().enumerate() {
-                if counts[child as usize] as usize > LANES
-                    && !self.binary.nodes[child as usize].is_leaf()
-                    && best.is_none_or(|b| area(child) > area(children[b]))
-                {
-                    best = Some(i);
+                let (one, two) = (&plans[first], &plans[first + 1]);
+                plan.count = one.count.saturating_add(two.count);
+                // The least cost of `children` children, and how many of them the first half gets.
+                let split = |children: usize| {
+                    let costs =
+                        (1..children).map(|k| (one.cost[k - 1] + two.cost[children - k - 1], k as u8));
+                    costs.reduce(|best, this| if this.0 < best.0 { this } else { best }).unwrap_or_default()
+                };
+                let (own, of_own) = split(LANES);
+                plan.own = of_own;
+                let is_block = plan.count as usize <= LANES;
+                plan.cost[0] = if is_block { area * BLOCK_COST } else { area * NODE_COST + own };
+                for children in 2..=LANES {
+                    let (cost, first) = split(children);
+                    let fewer = plan.cost[children - 2];
+                    (plan.cost[children - 1], plan.first[children - 1]) =
+                        if cost < fewer { (cost, first) } else { (fewer, 0) };
                 }
             }
-            let Some(best) = best else { break };
-            let first = self.binary.nodes[children[best] as usize].first_index;
-            children[best] = first;
-            children.push(first + 1);
+            plans[i as usize] = plan;
+        }
+        plans
+    }
+
+    /// Up to eight nodes of the binary tree that replace `root`.
+    fn children(&self, root: u32, plans: &[Plan]) -> Vec<u32> {
+        if plans[root as usize].count as usize <= LANES {
+            return vec![root];
+        }
+        let mut children = Vec::with_capacity(LANES);
+        let halves = |node: u32, all: usize, first: u8| {
+            let index = self.binary.nodes[node as usize].first_index;
+            [(index + 1, all - first as usize), (index, first as usize)]
+        };
+        let mut todo = Vec::from(halves(root, LANES, plans[root as usize].own));
+        while let Some((node, all)) = todo.pop() {
+            let first = plans[node as usize].first[all - 1];
+            match (all, first) {
+                (1, _) => children.push(node),
+                (_, 0) => todo.push((node, all - 1)),
+                _ => todo.extend(halves(node, all, first)),
+            }
         }
         children
     }
@@ -191,11 +230,11 @@ impl Collapse<'_> {
         let mut block = EMPTY;
         for (lane, &t) in members.iter().enumerate() {
             let [a, b, c] = self.triangles[t as usize].map(DVec3::from);
-            let parts = [(a - self.center).as_vec3(), (b - a).as_vec3(), (c - a).as_vec3()];
+            let [corner, edge1, edge2] = [a - self.center, b - a, c - a].map(|v| v.as_vec3());
             for axis in 0..3 {
-                block.corner[axis][lane] = parts[0][axis];
-                block.edge1[axis][lane] = parts[1][axis];
-                block.edge2[axis][lane] = parts[2][axis];
+                block.corner[axis][lane] = corner[axis];
+                block.edge1[axis][lane] = edge1[axis];
+                block.edge2[axis][lane] = edge2[axis];
             }
             block.triangle[lane] = t;
         }

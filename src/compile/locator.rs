@@ -40,10 +40,9 @@ pub(super) fn build(volumes: &[VolumeRecord], corners: &dyn Fn(u32) -> [[f64; 3]
 fn extent(volumes: &[VolumeRecord]) -> Option<([f64; 3], [f64; 3])> {
     let mut bounds = volumes.first()?.bounds;
     for volume in volumes {
-        for axis in 0..3 {
-            bounds[0][axis] = bounds[0][axis].min(volume.bounds[0][axis]);
-            bounds[1][axis] = bounds[1][axis].max(volume.bounds[1][axis]);
-        }
+        let [lo, hi] = volume.bounds;
+        bounds[0] = [0, 1, 2].map(|axis| bounds[0][axis].min(lo[axis]));
+        bounds[1] = [0, 1, 2].map(|axis| bounds[1][axis].max(hi[axis]));
     }
     let size = [0, 1, 2].map(|axis| (bounds[1][axis] - bounds[0][axis]).max(1e-3));
     Some((bounds[0], size))

@@ -16,7 +16,7 @@ use super::storage::{Storage, View};
 use crate::trace::NONE;
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
-pub(crate) const MAX_DEPTH: u32 = 24;
+pub(crate) const MAX_DEPTH: u32 = 20;
 
 /// Coordinates beyond this, metres, are no building.
 const FARTHEST: f64 = 1e13;

@@ -1,14 +1,10 @@
 //! Writing a building to a file.
 
-use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::building::Building;
-
-/// How many names for the temporary file are tried.
-const ATTEMPTS: u32 = 100;
+use crate::format::write_atomically;
 
 /// A building could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -57,39 +53,15 @@ fn is_plain(name: &str) -> bool {
     name.trim() == name && !name.contains(['\n', '\r', '#', '\\'])
 }
 
-/// Writes a file beside its final place, then moves it there.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let fail = |source| WriteError::Io { path: path.to_owned(), source };
-    let (mut file, temporary) = create_beside(path).map_err(fail)?;
-    let written = file.write_all(bytes).and_then(|()| file.sync_all());
-    drop(file);
-    let moved = written.and_then(|()| fs::rename(&temporary, path));
-    moved.map_err(|error| {
-        // The first error tells more than one about the clean-up would.
-        let _ = fs::remove_file(&temporary);
-        fail(error)
-    })
-}
-
-/// A new file in the folder of `path`.
-fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
-    let mut taken = io::Error::from(io::ErrorKind::AlreadyExists);
-    for attempt in 0..ATTEMPTS {
-        let mut name = OsString::from(".");
-        name.push(path.file_name().unwrap_or_default());
-        name.push(format!(".{}-{attempt}.tmp", std::process::id()));
-        let temporary = path.with_file_name(name);
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((file, temporary)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => taken = error,
-            Err(error) => return Err(error),
-        }
-    }
-    Err(taken)
+    write_atomically(path, |file| file.write_all(bytes))
+        .map_err(|source| WriteError::Io { path: path.to_owned(), source })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::generate::{HouseOptions, house};
 
