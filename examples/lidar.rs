@@ -108,7 +108,7 @@ fn write_points(points: &[([f64; 3], u32)], is_ply: bool, out: &mut dyn Write) -
     } else {
         writeln!(out, "# x y z element")?;
     }
-    points.iter().try_for_each(|([x, y, z], element)| writeln!(out, "{x} {y} {z} {element}"))
+    points.iter().try_for_each(|([x, y, z], element)| writeln!(out, "{x:.6} {y:.6} {z:.6} {element}"))
 }
 
 /// Does what the words of a command line say; the sweep goes to `out` if no file is named.
@@ -133,7 +133,7 @@ pub fn run(words: impl IntoIterator<Item = String>, out: &mut dyn Write) -> Resu
     let mut hits = vec![Hit::ESCAPED; rays.len()];
     scene.trace_many_from(cell, &rays, &mut hits, Want::LEAST);
 
-    // A beam that leaves through a window gives no point.
+    // A beam that leaves the building gives no point. Glass does: a scanner's beam may think otherwise of it.
     let points: Vec<([f64; 3], u32)> = hits
         .iter()
         .filter_map(|hit| match hit.answer() {

@@ -71,7 +71,8 @@ fn lidar_writes_points_on_the_elements_it_names() {
     assert!(points.len() > 700 && points.len() <= 720, "{}", points.len());
     for &(point, element) in points.iter().step_by(7) {
         let off = off_element(&model, point, element);
-        assert!(off < 1e-9, "{point:?} is {off} m off {}", model.elements[element as usize].name);
+        // As far as six decimals tell.
+        assert!(off < 1e-6, "{point:?} is {off} m off {}", model.elements[element as usize].name);
     }
 
     let ply = folder.path().join("sweep.PLY");

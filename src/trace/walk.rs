@@ -114,7 +114,8 @@ impl Query {
             2
         };
         let axes = [(along + 1) % 3, (along + 2) % 3, along];
-        let shear = [d[axes[0]] / d[along], d[axes[1]] / d[along], 1.0 / d[along]];
+        let scale = 1.0 / d[along];
+        let shear = [d[axes[0]] * scale, d[axes[1]] * scale, scale];
         Query { origin, direction, tmin, tmax, start, local, toward, inverse, axes, shear, surface, root }
     }
 

@@ -29,13 +29,14 @@ pub struct Reader {
     encoding: Encoding,
     /// Rays, or lines of text, read so far.
     read: u64,
+    /// How many rays there are, where a header says so.
+    promised: Option<u64>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum Encoding {
     Text,
     F32,
-    /// With how many rows are left, if that is known.
     F64,
 }
 
@@ -50,15 +51,15 @@ impl Reader {
         name: &str,
     ) -> Result<Reader, Failure> {
         let columns = if segments { 8 } else { 6 };
-        let encoding = match form {
-            Form::F32 => Encoding::F32,
-            Form::F64 => Encoding::F64,
-            Form::Text => Encoding::Text,
-            Form::Npy => {
-                npy_encoding(&mut source, columns).map_err(|e| Failure::input(format!("{name}: {e}")))?
-            }
+        let (encoding, promised) = match form {
+            Form::F32 => (Encoding::F32, None),
+            Form::F64 => (Encoding::F64, None),
+            Form::Text => (Encoding::Text, None),
+            Form::Npy => npy_encoding(&mut source, columns)
+                .map(|(encoding, rows)| (encoding, Some(rows)))
+                .map_err(|e| Failure::input(format!("{name}: {e}")))?,
         };
-        Ok(Reader { source, name: name.to_owned(), columns, encoding, read: 0 })
+        Ok(Reader { source, name: name.to_owned(), columns, encoding, read: 0, promised })
     }
 
     /// Whether the rays are f32.
@@ -122,12 +123,15 @@ impl Reader {
             let mut filled = 0;
             while filled < row.len() {
                 match self.source.read(&mut row[filled..]) {
-                    Ok(0) if filled == 0 => return Ok(()),
+                    Ok(0) if filled == 0 => return self.ended().map_err(bad),
                     Ok(0) => return Err(bad(format!("cut off after {filled} of {} bytes", row.len()))),
                     Ok(n) => filled += n,
                     Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
                     Err(e) => return Err(bad(e.to_string())),
                 }
+            }
+            if self.promised == Some(self.read) {
+                return Err(bad("the file holds more rays than its header says".to_owned()));
             }
             let mut numbers = [0.0; 8];
             for (to, from) in numbers.iter_mut().zip(row.as_chunks::<SIZE>().0) {
@@ -137,6 +141,14 @@ impl Reader {
             self.read += 1;
         }
         Ok(())
+    }
+
+    /// Checks that as many rays came as the header said.
+    fn ended(&self) -> Result<(), String> {
+        match self.promised {
+            Some(rows) if rows != self.read => Err(format!("cut off: the header says {rows} rays")),
+            _ => Ok(()),
+        }
     }
 
     fn ray(&self, n: [f64; 8]) -> Result<Ray, String> {
@@ -152,9 +164,43 @@ impl Reader {
     }
 }
 
-/// Reads the header of an .npy file.
-fn npy_encoding(source: &mut Box<dyn BufRead>, columns: usize) -> Result<Encoding, String> {
-    let header = NpyFile::new(source).map_err(|e| format!("no .npy file: {e}"))?.header().clone();
+/// Longest header of an .npy file that is read, bytes; numpy's own have 128.
+const LONGEST_HEADER: usize = 1 << 12;
+
+/// Magic, version and header of an .npy file, bounded before they are parsed: the parser would take whatever memory the
+/// length asks for, recurse as deep as brackets nest, and multiply the shape's numbers whatever they are.
+fn npy_header(source: &mut dyn BufRead) -> Result<Vec<u8>, String> {
+    let mut bytes = vec![0; 10];
+    let cut = |e: std::io::Error| format!("no .npy file: {e}");
+    source.read_exact(&mut bytes).map_err(cut)?;
+    if !bytes.starts_with(b"\x93NUMPY") {
+        return Err("no .npy file: it does not begin as one".to_owned());
+    }
+    let mut length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    if bytes[6] > 1 {
+        // From version 2 on, lengths have four bytes.
+        bytes.resize(12, 0);
+        source.read_exact(&mut bytes[10..]).map_err(cut)?;
+        length += usize::from(u16::from_le_bytes([bytes[10], bytes[11]])) << 16;
+    }
+    if length > LONGEST_HEADER {
+        return Err(format!("no .npy file of rays: its header is {length} bytes long"));
+    }
+    let start = bytes.len();
+    bytes.resize(start + length, 0);
+    source.read_exact(&mut bytes[start..]).map_err(cut)?;
+    let count = |test: fn(&u8) -> bool| bytes[start..].iter().filter(|b| test(b)).count();
+    // Numbers of 18 digits in all have a product below 10^18.
+    if count(|b| b"([{".contains(b)) > 8 || count(u8::is_ascii_digit) > 18 {
+        return Err("no .npy file of rays: its header describes something else".to_owned());
+    }
+    Ok(bytes)
+}
+
+/// Reads the header of an .npy file: how rays are written, and how many there are.
+fn npy_encoding(source: &mut Box<dyn BufRead>, columns: usize) -> Result<(Encoding, u64), String> {
+    let header = npy_header(source)?;
+    let header = NpyFile::new(&header[..]).map_err(|e| format!("no .npy file: {e}"))?.header().clone();
     let shape = header.shape();
     if shape.len() != 2 || shape[1] != columns as u64 {
         return Err(format!("an array of shape {shape:?} where rays need (n, {columns})"));
@@ -167,8 +213,8 @@ fn npy_encoding(source: &mut Box<dyn BufRead>, columns: usize) -> Result<Encodin
     match &dtype {
         DType::Plain(plain) if plain.type_char() == TypeChar::Float && !text.contains('>') => {
             match plain.size_field() {
-                4 => Ok(Encoding::F32),
-                8 => Ok(Encoding::F64),
+                4 => Ok((Encoding::F32, shape[0])),
+                8 => Ok((Encoding::F64, shape[0])),
                 _ => Err(format!("numbers of type {text} where rays are f32 or f64")),
             }
         }
