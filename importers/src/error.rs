@@ -41,8 +41,11 @@ pub enum ImportErrorKind {
     /// A `uri` or `mtllib` that leaves the model's folder.
     #[error("'{0}' leaves the model's folder, and is refused")]
     LeavesFolder(String),
-    /// A coordinate that is not finite.
-    #[error("coordinate {value} of vertex {vertex} is not finite")]
+    /// A coordinate that is not finite, or beyond 1e12 metres.
+    #[error(
+        "coordinate {value} of vertex {vertex} is {}",
+        if value.is_finite() { "farther than 1e12 metres from the origin" } else { "not finite" }
+    )]
     NotFinite {
         /// The vertex's index in its accessor or file.
         vertex: u64,

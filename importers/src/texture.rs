@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use crate::error::ImportErrorKind;
-use crate::limits::{Budget, OverBudget};
+use crate::limits::Budget;
 
 /// The mean of all texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,11 +22,12 @@ pub(crate) struct Mean {
 /// # Errors
 /// [`ImportErrorKind::OverBudget`], or [`ImportErrorKind::Malformed`] with the decoder's words.
 pub(crate) fn mean(bytes: &[u8], name: &str, budget: &mut Budget) -> Result<Mean, ImportErrorKind> {
-    let limit = budget.used() + budget.left();
+    let left = budget.left();
     let malformed = |error: image::ImageError| match error {
-        image::ImageError::Limits(_) => {
-            OverBudget { what: "a texture".to_owned(), needs: bytes.len() as u64, limit }.into()
-        }
+        // How much it would take, the decoder does not say.
+        image::ImageError::Limits(error) => ImportErrorKind::Malformed(format!(
+            "an image too large for the {left} bytes that are left of --max-memory: {error}"
+        )),
         error => ImportErrorKind::Malformed(format!("no image: {error}")),
     };
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;

@@ -196,8 +196,17 @@ fn cameras(arguments: &Arguments, scene: &Scene, frame: &Frame) -> Result<Vec<Ca
 
 /// Reads a file of cameras.
 pub fn read_cameras(path: &Path, frame: &Frame) -> Result<Vec<Camera>, Failure> {
+    use std::io::Read;
+    /// Longer than any walk; a file that never ends is none.
+    const LONGEST: u64 = 64 << 20;
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|e| Failure::input(format!("{name}: {e}")))?;
+    let bad = |what: String| Failure::input(format!("{name}: {what}"));
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|e| bad(e.to_string()))?;
+    let length = file.take(LONGEST).read_to_string(&mut text).map_err(|e| bad(e.to_string()))?;
+    if length as u64 == LONGEST {
+        return Err(bad(format!("longer than {LONGEST} bytes: no file of cameras")));
+    }
     let cameras = parse_cameras(&text, &name, frame).map_err(Failure::input)?;
     if cameras.is_empty() {
         return Err(Failure::input(format!("{name}: no camera in it")));

@@ -110,7 +110,7 @@ impl Libraries<'_> {
     }
 
     fn read(&mut self, name: &str, path: PathBuf, line: &Named) -> Result<(), ImportError> {
-        let bytes = match read_whole(&path, self.budget, "a material library") {
+        let bytes = match read_whole(&path, self.budget, &format!("the material library '{name}'")) {
             Ok(bytes) => bytes,
             Err(ImportErrorKind::Io(error)) => {
                 let text = format!("the material library '{name}' cannot be read: {error}");
