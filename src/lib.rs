@@ -1,23 +1,53 @@
 //! enfilade: fast, accurate ray tracing of buildings.
 //!
-//! A model is imported ([`importers`]), compiled ([`compile`]) to a scene file, opened as a [`Scene`] and traced
-//! ([`trace`]); pictures come from `render`, the truth from `oracle`, and `verify` compares the two. Everything works in
-//! the internal frame: metres, Z up, the offset of a far model taken off ([`Scene::frame`] leads back).
+//! A model of a building, one mesh per element with a tag, is imported ([`importers`]), compiled (`compile`) to a scene
+//! file, opened as a [`Scene`] and traced ([`trace`]). Pictures come from `render`, the truth from `oracle`, and `verify`
+//! compares answers with it.
 //!
 //! ```no_run
-//! use enfilade::{Answer, Ray, Scene};
+//! # #[cfg(all(feature = "gltf", feature = "obj", feature = "compile", feature = "render"))]
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use enfilade::importers::{ImportOptions, import};
+//! use enfilade::render::{RenderOptions, auto_view, render, write_png};
+//! use enfilade::{Answer, CompileOptions, Ray, compile};
 //!
-//! let scene = Scene::open("house.enf".as_ref())?;
+//! let model = import("house.glb".as_ref(), &ImportOptions::default())?;
+//! let scene = compile(&model, &CompileOptions::default())?.scene();
 //! match scene.trace(&Ray::new([2.0, 3.0, 1.6], [1.0, 0.0, 0.0])) {
 //!     Answer::Hit(hit) => println!("{} m to {}", hit.t, scene.element(hit.element).id()),
 //!     Answer::Escaped => println!("out into the open"),
-//!     Answer::InSolid(element) => println!("inside {}", scene.element(element).id()),
+//!     Answer::InSolid(element) => println!("starts inside {}", scene.element(element).id()),
 //! }
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! let picture = render(&scene, &auto_view(&scene), &RenderOptions::default())?;
+//! write_png(&picture, "house.png".as_ref())?;
+//! # Ok(())
+//! # }
+//! # #[cfg(not(all(feature = "gltf", feature = "obj", feature = "compile", feature = "render")))]
+//! # fn main() {}
 //! ```
 //!
-//! The library prints nothing, has no globals, and takes the caller's rayon pool.
+//! **Frames.** Everything here is in the internal frame: metres, Z up, the offset of a far model taken off.
+//! [`Scene::frame`] leads to the model's own frame and back. (The command line does that for its users.)
+//!
+//! **Right.** An answer is right if it is the exact answer to some parallel ray at most the tolerance away, by default
+//! 1 mm; the truth is the nearest hit with the model's own triangles, in f64. `oracle::right` has it in full.
+//!
+//! **Many rays** go from the caller's slice to the caller's slice ([`Scene::trace_many`]), with the feature `rayon` on
+//! the current pool. Where many rays start in the same air, [`Scene::trace_many_from`] looks it up but once; rays that go
+//! on from a hit start at [`Start::Hit`]. A [`Scene`] is immutable: share it among threads by reference.
+//!
+//! **Long calls** take options with limits on memory, a progress callback and a token to cancel them
+//! ([`importers::Limits`], [`importers::Watch`]). The library prints nothing and has no globals, and no file makes it
+//! panic.
+//!
+//! Without default features there are [`scene`], [`trace`] and [`mod@format`]: to open compiled scenes, to locate points and
+//! to trace rays.
 #![deny(unsafe_code)]
+
+// The README's program compiles, too.
+#[cfg(all(doctest, feature = "gltf", feature = "obj", feature = "compile", feature = "render"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 #[cfg(all(feature = "compile", feature = "render"))]
 pub mod bench;

@@ -14,7 +14,8 @@ use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
 use super::output;
 
-/// Check a scene against the model that it was compiled from: random rays against a brute-force f64 tracer.
+/// Check a scene against the model that it was compiled from: random rays against the truth, a second tracer
+/// in f64 that shares no code with the first and is itself checked against brute force.
 ///
 /// An answer is right if it is the exact answer to some parallel ray at most the tolerance away. Ends with exit code 1
 /// on any wrong ray, or if more than 0.1 % had to be excused (edges, starts in solids).
@@ -153,5 +154,8 @@ fn write_text(out: &mut String, r: &VerifyReport, passed: bool, seconds: f64) ->
 }
 
 fn write_case(out: &mut String, what: &str, case: &Case) -> std::fmt::Result {
-    writeln!(out, "{what}: {case:?}")
+    let [ox, oy, oz] = case.origin;
+    let [dx, dy, dz] = case.direction;
+    writeln!(out, "{what}: {ox} {oy} {oz} {dx} {dy} {dz} (internal frame)")?;
+    writeln!(out, "    answered {:?}, exact {:?}: {:?}", case.answered, case.expected, case.verdict)
 }
