@@ -137,8 +137,10 @@ impl Scene {
     fn describe(&self, line: &Line, found: Found, want: Want) -> Hit {
         let record = &self.tables.triangles[found.triangle as usize];
         let [a, b, c] = record.vertices.map(|v| DVec3::from(self.tables.vertices[v as usize]));
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let normal = if normal.dot(line.direction) > 0.0 { -normal } else { normal };
+        let normal = (b - a).cross(c - a);
+        let size = normal.length();
+        let scale = if normal.dot(line.direction) > 0.0 { -1.0 / size } else { 1.0 / size };
+        let normal = if scale.is_finite() { normal * scale } else { DVec3::ZERO };
         let point = line.origin + line.direction * found.t;
         let room = if want.room { self.room_before(line, found.t) } else { NONE };
         Hit {
@@ -168,10 +170,17 @@ impl Scene {
     }
 }
 
+/// A vector whose squared length is no farther than this from one has unit length: no rounding brings it nearer for
+/// sure.
+const UNIT: f64 = 4.0 * f64::EPSILON;
+
 /// The vector at unit length, whatever its length was; `None` if that cannot be.
 #[inline]
 fn unit(vector: DVec3) -> Option<DVec3> {
     let squared = vector.length_squared();
+    if (squared - 1.0).abs() <= UNIT {
+        return Some(vector);
+    }
     let unit = if squared > 1e-200 && squared < 1e200 {
         vector / squared.sqrt()
     } else {
@@ -225,7 +234,7 @@ impl Line {
         (enter <= leave).then_some(Line { start: enter, ..line })
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;

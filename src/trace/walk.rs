@@ -8,6 +8,7 @@
 //! the last bit, so that a ray cannot slip between two triangles that share an edge. The answer is the same for
 //! every kernel, bit for bit.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
@@ -15,7 +16,7 @@ use super::lanes::{Lanes, Mask};
 use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
 
-/// Room for the children that wait while one is visited, at every level.
+/// Room for the children that wait while one is visited, at every level of any hierarchy.
 const STACK: usize = MAX_DEPTH as usize * (LANES - 1) + 1;
 
 /// Least size of a direction's component in the box test: smaller ones move a ray by less than the slack.
@@ -235,18 +236,19 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
     let first = query.limit(query.tmin, walk.slack) - 4.0 * walk.slack;
     let first = L::splat(first.max(-walk.slack));
     let mut limit = query.limit(best.t, walk.slack);
-    let mut stack = [(0u32, 0f32); STACK];
-    let mut waiting = 0;
+    let mut stack = ArrayVec::<(u32, f32), STACK>::new();
+    let entered = query.inverse.map(|d| usize::from(d < 0.0));
     let mut current = query.root;
     loop {
         if current & BLOCK_BIT == 0 {
             count.node();
             let node = &walk.nodes[current as usize];
+            let sides = [&node.lo, &node.hi];
             let mut near = first;
             let mut far = L::splat(limit);
             for axis in 0..3 {
-                let (lo, hi) = (L::load(&node.lo[axis]), L::load(&node.hi[axis]));
-                let (enter, leave) = if query.inverse[axis] < 0.0 { (hi, lo) } else { (lo, hi) };
+                let enter = L::load(&sides[entered[axis] & 1][axis]);
+                let leave = L::load(&sides[!entered[axis] & 1][axis]);
                 near = near.max(enter.mul_sub(inverse[axis], shift[axis]));
                 far = far.min(leave.mul_sub(inverse[axis], shift[axis]));
             }
@@ -258,25 +260,25 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
                     current = node.child[first_hit];
                     continue;
                 }
-                // The children that were hit, farthest first, on the stack.
+                // The nearest first; the others on the stack, the farthest first.
                 let near = near.store();
-                let bottom = waiting;
-                stack[waiting] = (node.child[first_hit], near[first_hit]);
-                waiting += 1;
+                let mut nearest = (node.child[first_hit], near[first_hit]);
+                let bottom = stack.len();
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
-                    let entry = (node.child[lane], near[lane]);
-                    let mut place = waiting;
+                    let mut entry = (node.child[lane], near[lane]);
+                    if entry.1 < nearest.1 {
+                        std::mem::swap(&mut entry, &mut nearest);
+                    }
+                    let mut place = stack.len();
+                    stack.push(entry);
                     while place > bottom && stack[place - 1].1 < entry.1 {
-                        stack[place] = stack[place - 1];
+                        stack.swap(place - 1, place);
                         place -= 1;
                     }
-                    stack[place] = entry;
-                    waiting += 1;
                 }
-                waiting -= 1;
-                current = stack[waiting].0;
+                current = nearest.0;
                 continue;
             }
         } else {
@@ -310,11 +312,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
             }
         }
         loop {
-            if waiting == 0 {
-                return best;
-            }
-            waiting -= 1;
-            let (node, near) = stack[waiting];
+            let Some((node, near)) = stack.pop() else { return best };
             if near <= limit {
                 current = node;
                 break;
