@@ -6,7 +6,7 @@ use super::begin::Begin;
 use super::cost::Cost;
 use super::kernel::{Kernel, run_counted};
 use super::ray::{Answer, Hit, NONE, Ray};
-use super::walk::{Found, Query, Surface, Walk};
+use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
 use crate::scene::Scene;
 
@@ -134,9 +134,10 @@ impl Scene {
         self.kernel.run::<true>(&Walk::new(&self.tables), &query).triangle != NONE
     }
 
+    #[inline]
     fn describe(&self, line: &Line, found: Found, want: Want) -> Hit {
         let record = &self.tables.triangles[found.triangle as usize];
-        let [a, b, c] = record.vertices.map(|v| DVec3::from(self.tables.vertices[v as usize]));
+        let [a, b, c] = each(record.vertices, |v| DVec3::from(self.tables.vertices[v as usize]));
         let normal = (b - a).cross(c - a);
         let size = normal.length();
         let scale = if normal.dot(line.direction) > 0.0 { -1.0 / size } else { 1.0 / size };
