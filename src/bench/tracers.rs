@@ -51,6 +51,25 @@ impl Rounded {
         SingleRay::new(origin, direction, ray.tmin as f32, ray.tmax.min(f64::from(f32::MAX)) as f32)
     }
 
+    /// What each ray meets first, by the crate's own `traverse`; `order` leads from its primitives to ours.
+    #[inline]
+    fn trace(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Hit],
+        order: &[u32],
+        traverse: impl Fn(SingleRay, &mut RayHit) -> bool,
+    ) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            let mut found = RayHit::none();
+            let is_hit = traverse(self.ray(ray), &mut found);
+            if is_hit {
+                found.primitive_id = order[found.primitive_id as usize];
+            }
+            *hit = self.record(found, is_hit && found.primitive_id != NONE);
+        }
+    }
+
     /// The hit as a record, as far as the crate gives it.
     #[inline]
     fn record(&self, hit: RayHit, is_hit: bool) -> Hit {
@@ -106,32 +125,16 @@ impl Tracer {
                     *hit = scene.trace_with(*kernel, Start::Cell(0), ray, Want::LEAST);
                 }
             }
-            Way::Bvh2(bvh, rounded) => {
-                for (ray, hit) in rays.iter().zip(hits) {
-                    let mut found = RayHit::none();
-                    let ray = rounded.ray(ray);
-                    let is_hit = bvh.ray_traverse(ray, &mut found, |ray, id| {
-                        rounded.triangles[bvh.primitive_indices[id] as usize].intersect(ray)
-                    });
-                    if is_hit {
-                        found.primitive_id = bvh.primitive_indices[found.primitive_id as usize];
-                    }
-                    *hit = rounded.record(found, is_hit && found.primitive_id != NONE);
-                }
-            }
-            Way::CwBvh(bvh, rounded) => {
-                for (ray, hit) in rays.iter().zip(hits) {
-                    let mut found = RayHit::none();
-                    let ray = rounded.ray(ray);
-                    let is_hit = bvh.ray_traverse(ray, &mut found, |ray, id| {
-                        rounded.triangles[bvh.primitive_indices[id] as usize].intersect(ray)
-                    });
-                    if is_hit {
-                        found.primitive_id = bvh.primitive_indices[found.primitive_id as usize];
-                    }
-                    *hit = rounded.record(found, is_hit && found.primitive_id != NONE);
-                }
-            }
+            Way::Bvh2(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
+                bvh.ray_traverse(ray, found, |ray, place| {
+                    rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)
+                })
+            }),
+            Way::CwBvh(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
+                bvh.ray_traverse(ray, found, |ray, place| {
+                    rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)
+                })
+            }),
         }
     }
 }

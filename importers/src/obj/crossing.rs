@@ -92,8 +92,22 @@ fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2], touch: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A square with a square hole, cut open along one line, there and back.
+    pub(in crate::obj) const KEYHOLE: [[f64; 2]; 10] = [
+        [0.0, 0.0],
+        [4.0, 0.0],
+        [4.0, 4.0],
+        [0.0, 4.0],
+        [0.0, 0.0],
+        [1.0, 1.0],
+        [1.0, 3.0],
+        [3.0, 3.0],
+        [3.0, 1.0],
+        [1.0, 1.0],
+    ];
 
     fn circle(count: usize, step: usize) -> Vec<[f64; 2]> {
         let angle = |i: usize| (i * step % count) as f64 / count as f64 * std::f64::consts::TAU;
@@ -110,20 +124,7 @@ mod tests {
 
     #[test]
     fn touching_is_no_crossing() {
-        // A square with a square hole, cut open along one line, there and back.
-        let keyhole = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 4.0],
-            [0.0, 4.0],
-            [0.0, 0.0],
-            [1.0, 1.0],
-            [1.0, 3.0],
-            [3.0, 3.0],
-            [3.0, 1.0],
-            [1.0, 1.0],
-        ];
-        assert_eq!(crosses_itself(&keyhole), Crossing::No);
+        assert_eq!(crosses_itself(&KEYHOLE), Crossing::No);
         // A corner on another side.
         let pinched = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.0], [0.0, 4.0]];
         assert_eq!(crosses_itself(&pinched), Crossing::No);

@@ -242,6 +242,7 @@ fn area_of([a, b, c]: [[f64; 2]; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::obj::crossing::tests::KEYHOLE;
     use proptest::prelude::*;
 
     fn cut(corners: &[Point]) -> (Outcome, Vec<[u32; 3]>) {
@@ -365,23 +366,11 @@ mod tests {
 
     #[test]
     fn polygons_cut_open_to_a_hole_keep_the_hole() {
-        let keyhole = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 4.0],
-            [0.0, 4.0],
-            [0.0, 0.0],
-            [1.0, 1.0],
-            [1.0, 3.0],
-            [3.0, 3.0],
-            [3.0, 1.0],
-            [1.0, 1.0],
-        ];
-        let (outcome, triangles) = cut(&flat(&keyhole));
+        let (outcome, triangles) = cut(&flat(&KEYHOLE));
         assert_eq!(outcome, Outcome::Exact);
-        let area: f64 = triangles.iter().map(|t| area_of(t.map(|v| keyhole[v as usize]))).sum();
+        let area: f64 = triangles.iter().map(|t| area_of(t.map(|v| KEYHOLE[v as usize]))).sum();
         assert_eq!(area, 12.0);
-        assert!(triangles.iter().all(|t| area_of(t.map(|v| keyhole[v as usize])) > 0.0));
+        assert!(triangles.iter().all(|t| area_of(t.map(|v| KEYHOLE[v as usize])) > 0.0));
     }
 
     #[test]
