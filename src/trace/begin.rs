@@ -42,6 +42,11 @@ const ASIDE: [DVec3; 7] = [
     DVec3::new(0.158, -0.179, 0.971),
 ];
 
+/// The length of a step aside of a point, metres.
+fn aside(point: DVec3) -> f64 {
+    1e-9 * (1.0 + point.abs().max_element())
+}
+
 /// More surfaces than this within the tolerance of an origin are not told apart.
 const MOST_SURFACES: usize = 64;
 
@@ -49,7 +54,9 @@ impl Scene {
     /// Whether the ray may start inside a solid or on its surface: quick, and never wrongly no.
     #[inline]
     pub(super) fn may_start_in_solid(&self, line: &Line) -> bool {
-        self.may_be_in_solid((line.origin + line.direction * line.tmin).to_array())
+        let start = line.origin + line.direction * line.tmin;
+        // Twice as far as `begin` looks aside.
+        self.may_be_in_solid(start.to_array(), 2.0 * aside(start))
     }
 
     /// Where the ray begins, given the first triangle that it meets.
@@ -60,7 +67,7 @@ impl Scene {
         nearest: &mut impl FnMut(&Query) -> Found,
     ) -> Begin {
         let start = line.origin + line.direction * line.tmin;
-        let step = 1e-9 * (1.0 + start.abs().max_element());
+        let step = aside(start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
         match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
             (None, None, None) => Begin::At(line.tmin),
@@ -112,9 +119,9 @@ impl Scene {
     /// The solid that holds `point`, or, where it lies between solids that touch, one of them.
     fn solid_near(&self, point: DVec3) -> Option<u32> {
         self.solid_at(point.to_array()).or_else(|| {
-            let aside = ASIDE[0] * (1e-9 * (1.0 + point.abs().max_element()));
-            let one = self.solid_at((point + aside).to_array())?;
-            self.solid_at((point - aside).to_array()).map(|_| one)
+            let way = ASIDE[0] * aside(point);
+            let one = self.solid_at((point + way).to_array())?;
+            self.solid_at((point - way).to_array()).map(|_| one)
         })
     }
 }

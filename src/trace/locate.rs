@@ -58,10 +58,12 @@ impl Scene {
         smallest(&self.tables, point, Role::Solid).map(|volume| volume.element)
     }
 
-    /// Whether any solid may hold `point`: quick, and never wrongly no.
-    pub(crate) fn may_be_in_solid(&self, point: [f64; 3]) -> bool {
-        let role = |item: &u32| self.tables.volumes[(item & !WHOLE_BIT) as usize].role;
-        located(&self.tables, point).iter().any(|item| role(item) == Role::Solid as u32)
+    /// Whether any solid may hold `point`, or another within `margin` of it along each axis: quick, and never wrongly no.
+    pub(crate) fn may_be_in_solid(&self, point: [f64; 3], margin: f64) -> bool {
+        located(&self.tables, point).iter().any(|item| {
+            let volume = &self.tables.volumes[(item & !WHOLE_BIT) as usize];
+            volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
+        })
     }
 }
 
@@ -89,7 +91,7 @@ fn located(tables: &Views, point: [f64; 3]) -> &[u32] {
     let scene = &tables.scene[0];
     let mut index = 0u64;
     for axis in (0..3).rev() {
-        let cube = ((point[axis] - scene.locator_origin[axis]) / scene.locator_step).floor();
+        let cube = (point[axis] - scene.locator_origin[axis]) / scene.locator_step;
         if !(cube >= 0.0 && cube < f64::from(scene.locator_dims[axis])) {
             return &[];
         }
@@ -99,6 +101,13 @@ fn located(tables: &Views, point: [f64; 3]) -> &[u32] {
     &tables.located[start as usize..end as usize]
 }
 
+/// Whether `point` is no farther than `margin` from the volume's box, along each axis.
+#[inline]
+fn in_box(volume: &VolumeRecord, point: [f64; 3], margin: f64) -> bool {
+    let [lo, hi] = volume.bounds;
+    (0..3).all(|axis| point[axis] >= lo[axis] - margin && point[axis] <= hi[axis] + margin)
+}
+
 /// Whether the closed `volume` holds `point`.
 fn holds(
     volume: &VolumeRecord,
@@ -106,8 +115,7 @@ fn holds(
     vertices: &[[f64; 3]],
     point: [f64; 3],
 ) -> bool {
-    let [lo, hi] = volume.bounds;
-    if (0..3).any(|axis| point[axis] < lo[axis] || point[axis] > hi[axis]) {
+    if !in_box(volume, point, 0.0) {
         return false;
     }
     let start = volume.first_triangle as usize;
