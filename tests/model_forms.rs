@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 
 use forms::building::{Building, PARTS, building};
-use forms::compare::{Seen, see};
+use forms::compare::{Seen, check_views, see};
 use forms::gltf::{self, ClassIn, Container, GltfForm, PartForm, Placing, Root, Storeys};
 use forms::mesh::{Indices, Layout, MeshForm, Mode, Numbers};
 use forms::obj::{self, Corners, Digits, Names, ObjForm, Polygons, Text, UseMaterial, Vertices};
@@ -22,6 +22,10 @@ use forms::{ROUNDING, Written};
 
 /// Each with two files.
 const CASES: u32 = 256;
+
+/// Where the building stands, in its own axes, metres.
+const NEAR: [f64; 3] = [0.0; 3];
+const FAR: [f64; 3] = [458_123.625, -5_427_891.375, 112.5];
 
 /// A file of either format.
 #[derive(Clone, Debug)]
@@ -45,7 +49,7 @@ fn units() -> impl Strategy<Value = f64> {
 }
 
 fn buildings() -> impl Strategy<Value = Building> {
-    let far = select(vec![[0.0; 3], [458_123.625, -5_427_891.375, 112.5]]);
+    let far = select(vec![NEAR, FAR]);
     (prop_oneof![Just(0.0), -180.0..180.0], far).prop_map(|(degrees, far)| building(degrees, far))
 }
 
@@ -189,6 +193,68 @@ fn truth(building: &Building) -> (Model, Vec<Seen>) {
     (model, seen)
 }
 
+/// The plainest form of each format, in units of 1/4 m.
+fn plain() -> [Form; 2] {
+    let mesh = MeshForm {
+        numbers: Numbers::Integer { few_bits: true, is_signed: true, is_normalized: false },
+        layout: Layout::Own,
+        mode: Mode::List,
+        indices: Indices::U16,
+        by_face: false,
+        rolled: 0,
+    };
+    let placing = Placing::Nested { scale: -4.0, quarters: 2, at: [1, 2, 3] };
+    let part = PartForm { placing, class: ClassIn::Extras, is_named_in_extras: false, mesh };
+    let gltf = GltfForm {
+        container: Container::Glb,
+        unit: 0.25,
+        y_up: false,
+        root: Root::Matrix,
+        storeys: Storeys::Extras,
+        is_shared: true,
+        is_reversed: false,
+        nodes_backwards: false,
+        has_scenes: true,
+        parts: vec![part; PARTS],
+    };
+    let text = Text { end: "\n", has_comments: false, is_continued: false, is_spaced: false };
+    let obj = ObjForm {
+        unit: 0.25,
+        y_up: true,
+        digits: Digits::Shortest,
+        names: Names::Objects,
+        vertices: Vertices::First,
+        tail: "",
+        polygons: Polygons::None,
+        is_relative: false,
+        corners: Corners::V,
+        materials: UseMaterial::Changes,
+        repeats_storey: true,
+        is_shuffled: false,
+        is_reversed: false,
+        text,
+        seed: 0,
+    };
+    [Form::Gltf(gltf), Form::Obj(obj)]
+}
+
+#[test]
+fn short_coordinates_are_exact_to_the_last_bit() {
+    for far in [NEAR, FAR] {
+        let building = building(0.0, far);
+        for form in plain() {
+            // `round` holds each element to its bound.
+            let (_, _, written) = round(&building, &form).unwrap();
+            let exact: Vec<&str> = (0..PARTS)
+                .filter(|part| written.bounds[*part] == 0.0)
+                .map(|part| building.parts[part].id)
+                .collect();
+            let expected = ["0gP1$ground", "1wN_north", "2wE", "4sL", "5room", "6roomL", "7c", "Cr", "Dx"];
+            assert_eq!(exact, expected, "{form:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(CASES))]
 
@@ -198,6 +264,9 @@ proptest! {
         for form in &forms {
             let (found, mut seen, written) = round(&building, form)?;
             prop_assert_eq!(found.frame.offset, model.frame.offset);
+            if matches!(form, Form::Gltf(_)) {
+                check_views(&found, &model, ROUNDING * building.reach()).map_err(TestCaseError::fail)?;
+            }
             if written.cut.is_some() {
                 // `see` has checked that the triangles are the polygons.
                 seen.iter_mut().zip(&expected).for_each(|(s, e)| s.triangles.clone_from(&e.triangles));

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use enfilade::importers::{Frame, ImportOptions, Material, Model, ModelBuilder, NewElement, tagging};
+use enfilade::importers::{
+    Camera, Frame, ImportOptions, Light, LightKind, Material, Model, ModelBuilder, NewElement, tagging,
+};
 
 use super::algebra::{Place, Point, Turn};
 
@@ -74,9 +76,14 @@ pub struct Building {
     pub shapes: Vec<Shape>,
     pub looks: Vec<Look>,
     pub parts: Vec<Part>,
+    /// A camera and a spot light, which look along -Z with Y up in its axes. OBJ has neither.
+    pub eye: Place,
     /// Where the origin of all placements is.
     pub far: Point,
 }
+
+/// The camera's field of view.
+pub const VFOV_DEGREES: f64 = 60.0;
 
 /// How many elements [`building`] has.
 pub const PARTS: usize = 14;
@@ -128,7 +135,8 @@ pub fn building(degrees: f64, far: Point) -> Building {
         part("Dx", "Ding 7", None, og, 7, thing, Turn::NONE, at(6.5, 2.0, 5.0)),
     ];
     assert_eq!(parts.len(), PARTS);
-    Building { degrees, shapes, looks: looks(), parts, far }
+    let eye = Place { scale: same, turn: skew, at: at(2.5, 1.5, 1.625) };
+    Building { degrees, shapes, looks: looks(), parts, eye, far }
 }
 
 /// What [`building`] was given: the rest is the same each time.
@@ -179,6 +187,20 @@ impl Building {
                 }
             }
         }
+        let column = |axis: usize| self.eye.turn.matrix.map(|row| row[axis]);
+        let position = [0, 1, 2].map(|i| self.eye.at[i] + self.far[i]);
+        let direction = column(2).map(|c| -c);
+        let (name, up) = ("Auge".to_owned(), column(1));
+        builder.camera(Camera {
+            name: name.clone(),
+            eye: position,
+            direction,
+            up,
+            vfov_degrees: VFOV_DEGREES,
+        });
+        let (kind, range) = (LightKind::Spot { inner: 0.25, outer: 0.5 }, 12.5);
+        let (color, intensity) = ([1.0, 0.5, 0.25], 640.0);
+        builder.light(Light { name, kind, position, direction, color, intensity, range });
         let mut model = builder.finish().unwrap();
         tagging::tag(&mut model, &ImportOptions::default()).unwrap();
         model

@@ -43,6 +43,28 @@ pub fn see(building: &Building, model: &Model, order: &[usize], bounds: &[f64]) 
     Ok(seen.into_iter().flatten().collect())
 }
 
+/// Checks that two models have the same cameras and lights; positions to `bound`, metres.
+pub fn check_views(a: &Model, b: &Model, bound: f64) -> Result<(), String> {
+    let near = |p: Point, q: Point, bound: f64| (0..3).all(|i| (p[i] - q[i]).abs() <= bound);
+    let cameras = a.cameras.iter().zip(&b.cameras).all(|(a, b)| {
+        // Fields of view are 32-bit floats in glTF.
+        a.name == b.name
+            && near(a.eye, b.eye, bound)
+            && near(a.direction, b.direction, super::ROUNDING)
+            && near(a.up, b.up, super::ROUNDING)
+            && (a.vfov_degrees - b.vfov_degrees).abs() < 1e-5
+    });
+    let lights = a.lights.iter().zip(&b.lights).all(|(a, b)| {
+        (&a.name, a.kind, a.color, a.intensity, a.range) == (&b.name, b.kind, b.color, b.intensity, b.range)
+            && near(a.position, b.position, bound)
+            && near(a.direction, b.direction, super::ROUNDING)
+    });
+    if a.cameras.len() != b.cameras.len() || a.lights.len() != b.lights.len() || !cameras || !lights {
+        return Err(format!("{:?}, {:?}; expected {:?}, {:?}", a.cameras, a.lights, b.cameras, b.lights));
+    }
+    Ok(())
+}
+
 fn check_materials(building: &Building, model: &Model) -> Result<(), String> {
     let expected = expected_looks(building);
     let used: BTreeSet<usize> =

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map as Object, Value, json};
 
 use super::algebra::{Content, Map, Place, Turn, is_short};
-use super::building::{Building, Part};
+use super::building::{Building, Part, VFOV_DEGREES};
 use super::mesh::{Mesh, MeshForm, MeshWriter};
 use super::{Written, base64};
 
@@ -125,6 +125,8 @@ pub fn write(building: &Building, form: &GltfForm, folder: &Path) -> Written {
         let node = writer.part(index);
         writer.attach(node, parent, &mut roots);
     }
+    let eye = writer.eye();
+    writer.attach(eye, above.last().copied(), &mut roots);
     let bounds = std::mem::take(&mut writer.bounds);
     let path = writer.file(roots, folder);
     Written { path, options: Default::default(), frame: (1.0, true), bounds, order, cut: None }
@@ -269,6 +271,18 @@ impl Writer<'_> {
         top
     }
 
+    /// The node of the camera and the light. Their own axes stay what they are, whatever is up in the content.
+    fn eye(&mut self) -> usize {
+        let eye = &self.building.eye;
+        let columns = [0, 1, 2].map(|j| self.content.axes(eye.turn.matrix.map(|row| row[j])));
+        let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|j| columns[j][i]));
+        let map = Map { linear, at: self.content.point(eye.at) };
+        self.node(json!({
+            "name": "Auge", "camera": 0, "matrix": map.columns(),
+            "extensions": { "KHR_lights_punctual": { "light": 0 } }
+        }))
+    }
+
     fn mesh(&mut self, part: &Part, form: &PartForm, is_baked: bool) -> Mesh {
         let (building, content) = (self.building, self.content);
         let name = match (form.class, part.class) {
@@ -342,6 +356,12 @@ impl Writer<'_> {
         }
         let image = super::texture();
         put_materials(&mut json, self.building);
+        let yfov = VFOV_DEGREES.to_radians();
+        json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": yfov, "znear": 0.1 } }]);
+        json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{
+            "type": "spot", "color": [1, 0.5, 0.25], "intensity": 640, "range": 12.5,
+            "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 }
+        }] } });
         let path =
             folder.join(if matches!(self.form.container, Container::Glb) { "a.glb" } else { "a.gltf" });
         match self.form.container {
