@@ -253,7 +253,10 @@ impl<'a> Writer<'a> {
     fn name(&mut self, part: &'a Part) {
         let class = part.class.map(|class| format!("{class}:")).unwrap_or_default();
         let full = format!("{class}{}#{}", part.name, part.id);
-        let storey = part.storey.map(|storey| format!("Storey:{storey}"));
+        let storey = part.storey.map(|storey| match self.form.seed % 2 {
+            0 => format!("Storey:{storey}"),
+            _ => format!("IfcBuildingStorey:{storey}#2eyxpyOx95m90jmsXLOuR0"),
+        });
         match self.form.names {
             Names::Objects => {
                 // A storey in force goes on.
