@@ -15,8 +15,10 @@ use proptest::sample::select;
 
 use forms::building::{Building, PARTS, building};
 use forms::compare::{Seen, check_views, see};
-use forms::gltf::{self, ClassIn, Container, GltfForm, PartForm, Placing, Root, Storeys};
-use forms::mesh::{Indices, Layout, MeshForm, Mode, Numbers};
+use forms::container::Container;
+use forms::gltf::{self, ClassIn, GltfForm, PartForm, Placing, Root, Storeys};
+use forms::mesh::{Indices, Layout, MeshForm, Mode};
+use forms::numbers::Numbers;
 use forms::obj::{self, Corners, Digits, Names, ObjForm, Polygons, Text, UseMaterial, Vertices};
 use forms::{ROUNDING, Written};
 
@@ -129,7 +131,7 @@ fn obj_forms() -> impl Strategy<Value = ObjForm> {
     let names = vec![Names::Objects, Names::ObjectsWithGroups, Names::Groups, Names::GroupsOfOne];
     let vertices = select(vec![Vertices::First, Vertices::ByElement, Vertices::ByFace]);
     let tails = select(vec!["", " 1", " 1.0 0.5 0"]);
-    let corners = vec![Corners::V, Corners::VT, Corners::VN, Corners::VTN, Corners::Mixed];
+    let corners = vec![Corners::V, Corners::Vt, Corners::Vn, Corners::Vtn, Corners::Mixed];
     let materials = vec![UseMaterial::Sorted, UseMaterial::Changes, UseMaterial::Always];
     let ends = select(vec!["\n", "\r\n", "\r"]);
     let text = (ends, any::<[bool; 3]>()).prop_map(|(end, [has_comments, is_continued, is_spaced])| Text {

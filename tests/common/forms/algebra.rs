@@ -145,7 +145,7 @@ impl Content {
     }
 
     /// From what is written to glTF's own axes and unit.
-    pub fn to_gltf(&self) -> Map {
+    pub fn to_gltf(self) -> Map {
         let u = self.unit;
         let linear = if self.y_up {
             [[u, 0.0, 0.0], [0.0, u, 0.0], [0.0, 0.0, u]]

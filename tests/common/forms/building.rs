@@ -62,7 +62,7 @@ pub struct Part {
     pub place: Place,
 }
 
-/// A material, and whether half of its colour comes from a texture (of 2 texels, white and black).
+/// A material, and whether it has the [texture](super::texture).
 #[derive(Clone, Debug)]
 pub struct Look {
     pub material: Material,
@@ -212,7 +212,9 @@ impl Look {
     pub fn expected(&self) -> Material {
         let mut material = self.material.clone();
         if self.is_textured {
-            material.base_color = material.base_color.map(|c| c * 0.5);
+            let [mean, opacity] = super::TEXTURE_MEANS;
+            material.base_color = material.base_color.map(|c| c * mean as f32);
+            material.alpha *= opacity as f32;
         }
         material
     }

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map as Object, Value, json};
 
+use super::Written;
 use super::algebra::{Content, Map, Place, Turn, is_short};
-use super::building::{Building, Part, VFOV_DEGREES};
+use super::building::{Building, Part};
+use super::container::{self, Container};
 use super::mesh::{Mesh, MeshForm, MeshWriter};
-use super::{Written, base64};
 
 /// How a file as a whole is written.
 #[derive(Clone, Debug)]
@@ -27,14 +28,6 @@ pub struct GltfForm {
     /// No list of scenes: all nodes without a parent are shown.
     pub has_scenes: bool,
     pub parts: Vec<PartForm>,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub enum Container {
-    Glb,
-    Base64,
-    PercentCoded,
-    External,
 }
 
 /// How the content comes to glTF's axes, to metres, and far away.
@@ -340,62 +333,14 @@ impl Writer<'_> {
             self.nodes.reverse();
             roots.iter_mut().for_each(|root| *root = last - *root);
         }
-        let (mut json, mut bin) = self.meshes.finish();
-        json["asset"] = json!({ "version": "2.0" });
-        json["extensionsUsed"] = json!([
-            "KHR_mesh_quantization",
-            "KHR_materials_ior",
-            "KHR_materials_transmission",
-            "KHR_materials_emissive_strength"
-        ]);
-        json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+        let (mut json, bin) = self.meshes.finish();
         json["nodes"] = json!(self.nodes);
         if self.form.has_scenes {
             json["scenes"] = json!([{ "nodes": [] }, { "nodes": roots }]);
             json["scene"] = json!(1);
         }
-        let image = super::texture();
-        put_materials(&mut json, self.building);
-        let yfov = VFOV_DEGREES.to_radians();
-        json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": yfov, "znear": 0.1 } }]);
-        json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{
-            "type": "spot", "color": [1, 0.5, 0.25], "intensity": 640, "range": 12.5,
-            "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 }
-        }] } });
-        let path =
-            folder.join(if matches!(self.form.container, Container::Glb) { "a.glb" } else { "a.gltf" });
-        match self.form.container {
-            Container::Glb => {
-                let view = json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": image.len() });
-                bin.extend_from_slice(&image);
-                let views = json["bufferViews"].as_array_mut().unwrap();
-                views.push(view);
-                json["images"] = json!([{ "bufferView": views.len() - 1, "mimeType": "image/png" }]);
-                json["buffers"] = json!([{ "byteLength": bin.len() }]);
-                std::fs::write(&path, glb(&json, &bin)).unwrap();
-                return path;
-            }
-            Container::Base64 => {
-                json["images"] = json!([{ "uri": format!("data:image/png;base64,{}", base64(&image)) }]);
-                let uri = format!("data:application/octet-stream;base64,{}", base64(&bin));
-                json["buffers"] = json!([{ "byteLength": bin.len(), "uri": uri }]);
-            }
-            Container::PercentCoded => {
-                let coded = |bytes: &[u8]| bytes.iter().map(|b| format!("%{b:02X}")).collect::<String>();
-                json["images"] = json!([{ "uri": format!("data:image/png,{}", coded(&image)) }]);
-                json["buffers"] =
-                    json!([{ "byteLength": bin.len(), "uri": format!("data:,{}", coded(&bin)) }]);
-            }
-            Container::External => {
-                std::fs::create_dir_all(folder.join("data")).unwrap();
-                std::fs::write(folder.join("data/tür 1.png"), image).unwrap();
-                std::fs::write(folder.join("all.bin"), &bin).unwrap();
-                json["images"] = json!([{ "uri": "data/t%C3%BCr%201.png" }]);
-                json["buffers"] = json!([{ "byteLength": bin.len(), "uri": "./all.bin" }]);
-            }
-        }
-        std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-        path
+        container::put_looks(&mut json, self.building);
+        container::write(json, bin, self.form.container, folder)
     }
 }
 
@@ -418,48 +363,4 @@ fn inverse(place: &Place) -> Map {
     let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[j][i] / place.scale[i]));
     let at = Map { linear, at: [0.0; 3] }.point(place.at).map(|c| -c);
     Map { linear, at }
-}
-
-fn put_materials(json: &mut Value, building: &Building) {
-    let material = |look: &super::building::Look| {
-        let m = &look.material;
-        let [r, g, b] = m.base_color;
-        let mut pbr = json!({
-            "baseColorFactor": [r, g, b, m.alpha], "metallicFactor": m.metallic, "roughnessFactor": m.roughness
-        });
-        if look.is_textured {
-            pbr["baseColorTexture"] = json!({ "index": 0 });
-        }
-        // Emission over 1 needs a strength.
-        let strength = m.emissive.iter().fold(1.0f32, |most, c| most.max(*c));
-        json!({
-            "name": m.name, "pbrMetallicRoughness": pbr, "emissiveFactor": m.emissive.map(|c| c / strength),
-            "alphaMode": if m.alpha < 1.0 { "BLEND" } else { "OPAQUE" },
-            "extensions": {
-                "KHR_materials_ior": { "ior": m.ior },
-                "KHR_materials_transmission": { "transmissionFactor": m.transmission },
-                "KHR_materials_emissive_strength": { "emissiveStrength": strength }
-            }
-        })
-    };
-    json["materials"] = building.looks.iter().map(material).collect();
-    json["textures"] = json!([{ "source": 0 }]);
-}
-
-fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
-    let mut file = b"glTF".to_vec();
-    let mut text = serde_json::to_vec(json).unwrap();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut bin = bin.to_vec();
-    bin.resize(bin.len().next_multiple_of(4), 0);
-    let chunks = [(b"JSON", &text), (b"BIN\0", &bin)];
-    let length = 12 + chunks.iter().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
-    file.extend_from_slice(&2u32.to_le_bytes());
-    file.extend_from_slice(&(length as u32).to_le_bytes());
-    for (kind, bytes) in chunks {
-        file.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
-        file.extend_from_slice(kind);
-        file.extend_from_slice(bytes);
-    }
-    file
 }

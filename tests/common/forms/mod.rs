@@ -3,8 +3,10 @@
 pub mod algebra;
 pub mod building;
 pub mod compare;
+pub mod container;
 pub mod gltf;
 pub mod mesh;
+pub mod numbers;
 pub mod obj;
 
 use std::path::PathBuf;
@@ -28,13 +30,17 @@ pub struct Written {
     pub cut: Option<obj::Polygons>,
 }
 
-/// A picture of a white and a black texel: the mean of its linear colours is one half.
+/// A picture of two texels: one white, one black and of opacity 1/5.
 pub fn texture() -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let texels = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([if x == 0 { 255 } else { 0 }; 3]));
+    let colors = [[255, 255, 255, 255], [0, 0, 0, 51]];
+    let texels = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba(colors[x as usize]));
     texels.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
+
+/// How bright that is in linear light, each texel with its opacity as its weight; and its mean opacity.
+pub const TEXTURE_MEANS: [f64; 2] = [1.0 / 1.2, 0.6];
 
 /// With padding.
 pub fn base64(bytes: &[u8]) -> String {

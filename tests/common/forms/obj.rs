@@ -83,9 +83,9 @@ pub enum Polygons {
 #[derive(Clone, Copy, Debug)]
 pub enum Corners {
     V,
-    VT,
-    VN,
-    VTN,
+    Vt,
+    Vn,
+    Vtn,
     /// Each face as it likes.
     Mixed,
 }
@@ -296,7 +296,7 @@ impl<'a> Writer<'a> {
         let numbers: Vec<usize> = corners.iter().map(|v| self.vertex(points[*v])).collect();
         let mut text = "f".to_owned();
         let form = match self.form.corners {
-            Corners::Mixed => [Corners::V, Corners::VT, Corners::VN, Corners::VTN][self.random.below(4)],
+            Corners::Mixed => [Corners::V, Corners::Vt, Corners::Vn, Corners::Vtn][self.random.below(4)],
             form => form,
         };
         for number in numbers {
@@ -305,9 +305,9 @@ impl<'a> Writer<'a> {
                 false => (number as i64, 1 + (number % 3) as i64),
             };
             match form {
-                Corners::VT => write!(text, " {vertex}/{other}").unwrap(),
-                Corners::VN => write!(text, " {vertex}//{other}").unwrap(),
-                Corners::VTN => write!(text, " {vertex}/{other}/{other}").unwrap(),
+                Corners::Vt => write!(text, " {vertex}/{other}").unwrap(),
+                Corners::Vn => write!(text, " {vertex}//{other}").unwrap(),
+                Corners::Vtn => write!(text, " {vertex}/{other}/{other}").unwrap(),
                 _ => write!(text, " {vertex}").unwrap(),
             }
         }
