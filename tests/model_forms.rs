@@ -22,9 +22,6 @@ use forms::numbers::Numbers;
 use forms::obj::{self, Corners, Digits, Names, ObjForm, Polygons, Text, UseMaterial, Vertices};
 use forms::{ROUNDING, Written};
 
-/// Each with two files.
-const CASES: u32 = 256;
-
 /// Where the building stands, in its own axes, metres.
 const NEAR: [f64; 3] = [0.0; 3];
 const FAR: [f64; 3] = [458_123.625, -5_427_891.375, 112.5];
@@ -258,8 +255,6 @@ fn short_coordinates_are_exact_to_the_last_bit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(CASES))]
-
     #[test]
     fn all_forms_are_one_model(building in buildings(), forms in [any_forms(), any_forms()]) {
         let (model, expected) = truth(&building);
