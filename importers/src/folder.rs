@@ -1,7 +1,7 @@
 //! Files that a model refers to: only such as lie in the model's own folder.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crate::error::ImportErrorKind;
@@ -12,22 +12,17 @@ use crate::limits::Budget;
 pub(crate) struct Folder(PathBuf);
 
 /// Why a reference cannot be followed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum FolderError {
     /// It leads out of the folder, or may do so on some system.
+    #[error("it leaves the model's folder")]
     Leaves,
-    /// There is no such file, or it is none that can be read.
-    Unreadable(std::io::Error),
-}
-
-impl FolderError {
-    /// As an import error's kind, for a file that the import cannot do without. `reference` is what the model has.
-    pub(crate) fn into_kind(self, reference: &str) -> ImportErrorKind {
-        match self {
-            FolderError::Leaves => ImportErrorKind::LeavesFolder(reference.to_owned()),
-            FolderError::Unreadable(error) => ImportErrorKind::Io(error),
-        }
-    }
+    /// It is a folder, a pipe, a device.
+    #[error("it is no regular file")]
+    NoFile,
+    /// There is no such file, or the system does not let it be looked at.
+    #[error("{0}")]
+    Unreadable(#[from] io::Error),
 }
 
 impl Folder {
@@ -40,49 +35,60 @@ impl Folder {
     }
 
     /// The folder `path` itself.
+    #[cfg(feature = "obj")]
     pub(crate) fn at(path: &Path) -> Folder {
         Folder(path.to_owned())
     }
 
-    /// The regular file in this folder, or below, that `reference` names, with `/` between folders. Absolute paths,
-    /// `..`, drive letters, backslashes and links that lead out are refused, the same on every system.
+    /// The regular file in this folder, or below, that `reference` names: as [`check`] has it, and no link leads out.
     pub(crate) fn resolve(&self, reference: &str) -> Result<PathBuf, FolderError> {
-        let drive = reference.as_bytes().get(1) == Some(&b':')
-            && reference.as_bytes().first().is_some_and(u8::is_ascii_alphabetic);
-        let leaves = drive
-            || reference.starts_with('/')
-            || reference.contains(['\\', '\0'])
-            || reference.split('/').any(|part| part == "..");
-        if leaves || Path::new(reference).is_absolute() {
-            return Err(FolderError::Leaves);
-        }
+        check(reference)?;
         if reference.is_empty() {
-            let error = std::io::Error::new(std::io::ErrorKind::NotFound, "an empty name");
-            return Err(FolderError::Unreadable(error));
+            return Err(io::Error::new(io::ErrorKind::NotFound, "an empty name").into());
         }
-        let folder = self.0.canonicalize().map_err(FolderError::Unreadable)?;
-        let file = folder.join(reference).canonicalize().map_err(FolderError::Unreadable)?;
+        let folder = self.0.canonicalize()?;
+        let file = folder.join(reference).canonicalize()?;
         if !file.starts_with(&folder) {
             return Err(FolderError::Leaves);
         }
         // A pipe or a device could block, or never end.
-        if !file.metadata().map_err(FolderError::Unreadable)?.is_file() {
-            let error = std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no regular file");
-            return Err(FolderError::Unreadable(error));
+        if !file.metadata()?.is_file() {
+            return Err(FolderError::NoFile);
         }
         Ok(file)
     }
 }
 
+/// Refuses what, by its letters, is no path with `/` between folders that stays below where it starts: absolute paths,
+/// `..`, drive letters and backslashes, the same on every system. Whether there is such a file is not looked at.
+pub(crate) fn check(reference: &str) -> Result<(), FolderError> {
+    let drive = reference.as_bytes().get(1) == Some(&b':')
+        && reference.as_bytes().first().is_some_and(u8::is_ascii_alphabetic);
+    let leaves = drive
+        || reference.starts_with('/')
+        || reference.contains(['\\', '\0'])
+        || reference.split('/').any(|part| part == "..")
+        || Path::new(reference).is_absolute();
+    if leaves { Err(FolderError::Leaves) } else { Ok(()) }
+}
+
 /// All bytes of `file`, taken from `budget` for `what`; the caller gives them back.
+///
+/// # Errors
+/// The file cannot be read, or over the budget: nothing stays taken then.
 pub(crate) fn read_whole(file: &Path, budget: &mut Budget, what: &str) -> Result<Vec<u8>, ImportErrorKind> {
     let file = File::open(file)?;
     let size = file.metadata()?.len();
     budget.take(size, what)?;
     let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
-    // The file may grow meanwhile: what was not paid for is not read.
-    file.take(size).read_to_end(&mut bytes)?;
-    Ok(bytes)
+    // Not more than was paid for, even if the file grows meanwhile or is none (a device's length is 0).
+    match file.take(size).read_to_end(&mut bytes) {
+        Ok(_) => Ok(bytes),
+        Err(error) => {
+            budget.give_back(size);
+            Err(error.into())
+        }
+    }
 }
 
 #[cfg(test)]
@@ -116,9 +122,13 @@ mod tests {
             "\\\\server\\share",
         ] {
             assert!(matches!(folder.resolve(bad), Err(FolderError::Leaves)), "{bad}");
+            assert!(check(bad).is_err(), "{bad}");
         }
-        for missing in ["", "sub", ".", "b.mtl", "sub/"] {
+        for missing in ["", "b.mtl", "sub/b.mtl"] {
             assert!(matches!(folder.resolve(missing), Err(FolderError::Unreadable(_))), "{missing}");
+        }
+        for no_file in ["sub", ".", "sub/"] {
+            assert!(matches!(folder.resolve(no_file), Err(FolderError::NoFile)), "{no_file}");
         }
     }
 

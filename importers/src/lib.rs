@@ -17,13 +17,13 @@
 
 mod builder;
 mod error;
-#[cfg(feature = "obj")]
+#[cfg(any(feature = "gltf", feature = "obj"))]
 mod folder;
 mod frame;
 mod limits;
 mod model;
 mod semantic;
-#[cfg(feature = "obj")]
+#[cfg(any(feature = "gltf", feature = "obj"))]
 mod texture;
 mod watch;
 

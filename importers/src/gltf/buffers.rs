@@ -4,8 +4,8 @@ use std::hash::Hasher;
 
 use gltf::json;
 
-use super::folder::{Folder, check_length};
 use super::malformed;
+use super::uri::Uris;
 use crate::error::ImportError;
 use crate::limits::Budget;
 
@@ -31,7 +31,7 @@ pub(super) struct Buffers<'a>(Vec<Bytes<'a>>);
 pub(super) fn load<'a>(
     root: &json::Root,
     bin: Option<&'a [u8]>,
-    folder: &Folder,
+    uris: &Uris,
     budget: &mut Budget,
     hasher: &mut dyn Hasher,
 ) -> Result<Buffers<'a>, ImportError> {
@@ -40,7 +40,7 @@ pub(super) fn load<'a>(
         let place = format!("buffers[{index}]");
         let bytes = match (&buffer.uri, bin) {
             (Some(uri), _) => {
-                let bytes = folder.read(uri, &format!("{place}.uri"), "buffers", budget)?;
+                let bytes = uris.read(uri, &format!("{place}.uri"), "buffers", budget)?;
                 if !uri.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("data:")) {
                     hasher.write(&bytes);
                 }
@@ -56,6 +56,17 @@ pub(super) fn load<'a>(
         all.push(bytes);
     }
     Ok(Buffers(all))
+}
+
+/// Checks that a buffer is as long as its description says.
+///
+/// # Errors
+/// It is shorter.
+fn check_length(bytes: &[u8], stated: u64, place: &str) -> Result<(), ImportError> {
+    if (bytes.len() as u64) < stated {
+        return Err(malformed(place, format!("byteLength is {stated}, but there are {} bytes", bytes.len())));
+    }
+    Ok(())
 }
 
 impl Buffers<'_> {

@@ -7,12 +7,13 @@ use serde_json::Value;
 
 use super::buffers::Buffers;
 use super::fault;
-use super::folder::{Folder, is_refusal};
 use super::images::{self, ImageMeans};
+use super::uri::{Uris, is_refusal};
 use crate::builder::ModelBuilder;
 use crate::error::ImportError;
 use crate::limits::{Budget, Limits};
 use crate::model::{Material, MaterialId};
+use crate::texture::Decoder;
 use crate::watch::Watch;
 
 /// A file's materials in the builder.
@@ -45,23 +46,23 @@ fn missing() -> Material {
 pub(super) fn load(
     root: &json::Root,
     buffers: &Buffers<'_>,
-    folder: &Folder,
+    uris: &Uris,
     limits: &Limits,
     watch: &Watch,
     builder: &mut ModelBuilder,
 ) -> Result<Materials, ImportError> {
     for (index, image) in root.images.iter().enumerate() {
         if let Some(uri) = &image.uri {
-            folder.check(uri, &format!("images[{index}].uri"))?;
+            uris.check(uri, &format!("images[{index}].uri"))?;
         }
     }
     let mut textures = Textures {
         root,
         buffers,
-        folder,
+        uris,
         watch,
         means: vec![None; root.images.len()],
-        decoded: Budget::new(limits),
+        decoder: Decoder::new(limits),
     };
     let mut of_file = Vec::with_capacity(root.materials.len());
     for material in &root.materials {
@@ -102,10 +103,10 @@ fn convert(
     };
     let cutoff = f64::from(material.alpha_cutoff.unwrap_or_default().0);
     let (texture_color, alpha) = match (alpha_mode(material), means) {
-        (AlphaMode::Opaque, means) => (means.map_or([1.0; 3], ImageMeans::color), 1.0),
+        (AlphaMode::Opaque, means) => (means.map_or([1.0; 3], |means| means.colors.color()), 1.0),
         (AlphaMode::Blend, None) => ([1.0; 3], f64::from(factor[3])),
         (AlphaMode::Blend, Some(means)) => {
-            let mean = means.weighted(|alpha| alpha);
+            let mean = means.colors.weighted(|alpha| alpha);
             (mean.rgb, mean.alpha * f64::from(factor[3]))
         }
         // A cut-out surface is there, or not, point by point: its opacity is the share that is there.
@@ -114,7 +115,7 @@ fn convert(
             match means {
                 None => ([1.0; 3], is_there(1.0)),
                 Some(means) => {
-                    let mean = means.weighted(is_there);
+                    let mean = means.colors.weighted(is_there);
                     (mean.rgb, mean.alpha)
                 }
             }
@@ -128,7 +129,7 @@ fn convert(
     if let (Some(info), true) = (&material.emissive_texture, emissive.iter().any(|c| *c > 0.0))
         && let Some(means) = textures.means(info.index.value(), builder)?
     {
-        let color = means.color();
+        let color = means.colors.color();
         emissive = [0, 1, 2].map(|c| emissive[c] * color[c] as f32);
     }
     let mut transmission = 0.0;
@@ -175,13 +176,11 @@ fn numbers(value: Option<&Value>) -> Option<[f32; 4]> {
 struct Textures<'a> {
     root: &'a json::Root,
     buffers: &'a Buffers<'a>,
-    folder: &'a Folder,
+    uris: &'a Uris,
     watch: &'a Watch,
     /// By image: not looked at yet, unreadable, or read.
     means: Vec<Option<Option<ImageMeans>>>,
-    /// All images together may not decode to more than the memory limit: small files can hold huge images, and
-    /// each costs time.
-    decoded: Budget,
+    decoder: Decoder,
 }
 
 impl Textures<'_> {
@@ -231,7 +230,7 @@ impl Textures<'_> {
         let before = budget.used();
         let own;
         let bytes = match (&json.uri, json.buffer_view) {
-            (Some(uri), _) => match self.folder.read(uri, &place, "an image", budget) {
+            (Some(uri), _) => match self.uris.read(uri, &place, "an image", budget) {
                 Ok(bytes) => {
                     own = bytes;
                     &own[..]
@@ -245,11 +244,7 @@ impl Textures<'_> {
             },
             (None, None) => return Ok(Err("it has neither a uri nor a buffer view".to_owned())),
         };
-        let left = budget.left().min(self.decoded.left());
-        let mut account = Budget::new(&Limits::default().with_max_memory(left));
-        let means = images::decode(bytes, &mut account);
-        // Never more than what was left.
-        let _ = self.decoded.take(account.peak(), "images");
+        let means = images::decode(&mut self.decoder, bytes, budget).map_err(|e| e.to_string());
         budget.give_back(budget.used() - before);
         let means = means.and_then(|means| {
             budget.take(ImageMeans::BYTES, "means of images").map(|()| means).map_err(|e| e.to_string())

@@ -13,7 +13,6 @@ mod buffers;
 mod container;
 mod document;
 mod extras;
-mod folder;
 #[cfg(test)]
 mod forms;
 mod graph;
@@ -30,21 +29,22 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod transform;
+mod uri;
 
 use std::hash::Hasher;
-use std::io::Read;
 use std::path::Path;
 
 use twox_hash::XxHash3_64;
 
 use crate::builder::ModelBuilder;
 use crate::error::{ImportError, ImportErrorKind};
+use crate::folder::read_whole;
 use crate::frame::{Frame, UpAxis};
 use crate::import::ImportOptions;
 use crate::limits::Budget;
 use crate::model::Model;
 
-use folder::Folder;
+use uri::Uris;
 
 /// Reads the glTF 2.0 file at `path` (`.gltf` or `.glb`; the first bytes tell which), without tagging it.
 ///
@@ -58,9 +58,9 @@ pub fn read(path: &Path, options: &ImportOptions) -> Result<Model, ImportError> 
     let given = path.display().to_string();
     let source = path.file_name().map_or_else(|| given.clone(), |name| name.to_string_lossy().into_owned());
     let mut budget = Budget::new(&options.limits);
-    read_file(path, &mut budget)
+    read_whole(path, &mut budget, "the file")
         .map_err(|kind| fault("", kind))
-        .and_then(|bytes| read_bytes(&bytes, &source, &Folder::of(path), options, budget))
+        .and_then(|bytes| read_bytes(&bytes, &source, &Uris::of(path), options, budget))
         .map_err(|error| name_file(error, &source, &given))
 }
 
@@ -70,14 +70,14 @@ pub fn read(path: &Path, options: &ImportOptions) -> Result<Model, ImportError> 
 /// # Errors
 /// As [`read`]; buffers in other files cannot be found. Images in other files are left out with a warning.
 pub fn read_slice(bytes: &[u8], name: &str, options: &ImportOptions) -> Result<Model, ImportError> {
-    read_bytes(bytes, name, &Folder::none(), options, Budget::new(&options.limits))
+    read_bytes(bytes, name, &Uris::of_no_folder(), options, Budget::new(&options.limits))
         .map_err(|error| name_file(error, name, name))
 }
 
 fn read_bytes(
     bytes: &[u8],
     source: &str,
-    folder: &Folder,
+    uris: &Uris,
     options: &ImportOptions,
     mut budget: Budget,
 ) -> Result<Model, ImportError> {
@@ -88,12 +88,12 @@ fn read_bytes(
     let container = container::split(bytes)?;
     let (document, placements) = document::parse(&container.json, &mut budget)?;
     let root = document.as_json();
-    let buffers = buffers::load(root, container.bin.as_deref(), folder, &mut budget, &mut hasher)?;
+    let buffers = buffers::load(root, container.bin.as_deref(), uris, &mut budget, &mut hasher)?;
     options.watch.check().map_err(|e| fault("", e.into()))?;
 
     let mut builder = ModelBuilder::with_budget(source, Frame::GLTF, &options.limits, budget);
     builder.source_hash(hasher.finish());
-    reader::fill(builder, &document, &placements, &buffers, folder, options)
+    reader::fill(builder, &document, &placements, &buffers, uris, options)
 }
 
 /// glTF fixes unit and axes; to ask for others is a misunderstanding that must not pass in silence.
@@ -107,16 +107,6 @@ fn check_options(options: &ImportOptions) -> Result<(), ImportError> {
         return Err(fault("", ImportErrorKind::Unsupported(text)));
     }
     Ok(())
-}
-
-fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, ImportErrorKind> {
-    let file = std::fs::File::open(path)?;
-    let length = file.metadata()?.len();
-    budget.take(length, "the file")?;
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // Not more than was paid for, even if the file grows or is none (a device's length is 0).
-    file.take(length).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// An error about the file that is being read. Its name is put in at the end, by [`name_file`].

@@ -9,7 +9,6 @@ use gltf::json;
 use super::accessors::{Accessors, Vectors};
 use super::buffers::Buffers;
 use super::document::Placement;
-use super::folder::Folder;
 use super::graph::{self, Graph};
 use super::identity::Identities;
 use super::instancing;
@@ -17,6 +16,7 @@ use super::lights;
 use super::materials::{self, Materials};
 use super::mesh::{Part, Plan};
 use super::transform::Affine;
+use super::uri::Uris;
 use super::{fault, malformed};
 use crate::builder::{ModelBuilder, NewElement};
 use crate::error::{ImportError, ImportErrorKind};
@@ -39,12 +39,12 @@ pub(super) fn fill(
     document: &Document,
     placements: &[Placement],
     buffers: &Buffers<'_>,
-    folder: &Folder,
+    uris: &Uris,
     options: &ImportOptions,
 ) -> Result<Model, ImportError> {
     let root = document.as_json();
     let graph = graph::walk(root, placements, builder.budget())?;
-    let materials = materials::load(root, buffers, folder, &options.limits, &options.watch, &mut builder)?;
+    let materials = materials::load(root, buffers, uris, &options.limits, &options.watch, &mut builder)?;
     let mut reader = Reader {
         root,
         graph: &graph,

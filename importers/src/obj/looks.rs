@@ -14,7 +14,7 @@ use crate::model::{Material, Warning};
 use crate::obj::guard::ObjGuard;
 use crate::obj::mtl::{self, Described};
 use crate::obj::parts::Named;
-use crate::texture::{self, Mean};
+use crate::texture::{ColorMeans, Decoder, MeanColor};
 
 /// The material of each of the guard's names, `None` for those that no face has. The libraries' bytes go into
 /// `hash`.
@@ -30,7 +30,9 @@ pub(super) fn materials(
     options: &ImportOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Option<Material>>, ImportError> {
-    let mut libraries = Libraries { file, folder, hash, budget, options, warnings, known: HashMap::new() };
+    let decoder = Decoder::new(&options.limits);
+    let known = HashMap::new();
+    let mut libraries = Libraries { file, folder, hash, budget, options, warnings, decoder, known };
     let mut lines = HashSet::new();
     let mut read = HashSet::new();
     for library in guard.libraries.iter().filter(|l| lines.insert(l.text.as_str())) {
@@ -65,6 +67,7 @@ struct Libraries<'a> {
     budget: &'a mut Budget,
     options: &'a ImportOptions,
     warnings: &'a mut Vec<Warning>,
+    decoder: Decoder,
     /// By name, with the library's name. The first one of a name counts.
     known: HashMap<String, (Described, String)>,
 }
@@ -83,12 +86,13 @@ impl Libraries<'_> {
         };
         let whole = line.text.trim_matches('"');
         let file = self.file;
-        let leaves =
-            |name: &str| ImportError::new(file, FolderError::Leaves.into_kind(name)).at(place.clone());
+        let leaves = |name: &str| {
+            ImportError::new(file, ImportErrorKind::LeavesFolder(name.to_owned())).at(place.clone())
+        };
         match folder.resolve(whole) {
             Ok(path) => return Ok(vec![(whole.to_owned(), path)]),
             Err(FolderError::Leaves) => return Err(leaves(whole)),
-            Err(FolderError::Unreadable(_)) => {}
+            Err(FolderError::NoFile | FolderError::Unreadable(_)) => {}
         }
         let mut files = Vec::new();
         if whole.is_empty() {
@@ -98,7 +102,7 @@ impl Libraries<'_> {
             match folder.resolve(name) {
                 Ok(path) => files.push((name.to_owned(), path)),
                 Err(FolderError::Leaves) => return Err(leaves(name)),
-                Err(FolderError::Unreadable(error)) => {
+                Err(error) => {
                     self.warn(
                         place.clone(),
                         format!("the material library '{name}' cannot be read: {error}"),
@@ -147,7 +151,7 @@ impl Libraries<'_> {
     fn look(
         &mut self,
         named: &Named,
-        means: &mut HashMap<PathBuf, Option<Mean>>,
+        means: &mut HashMap<PathBuf, Option<MeanColor>>,
     ) -> Result<Material, ImportError> {
         if named.text.is_empty() {
             return Ok(Material::default());
@@ -166,8 +170,11 @@ impl Libraries<'_> {
         let path = match folder.resolve(&texture.replace('\\', "/")) {
             Ok(path) => path,
             Err(error) => {
-                let text = format!("the texture '{texture}' is not read: {}", error.into_kind(&texture));
-                self.warn(place, text);
+                let why = match error {
+                    FolderError::Leaves => ImportErrorKind::LeavesFolder(texture.clone()).to_string(),
+                    error => error.to_string(),
+                };
+                self.warn(place, format!("the texture '{texture}' is not read: {why}"));
                 return Ok(material);
             }
         };
@@ -180,10 +187,10 @@ impl Libraries<'_> {
             }
         };
         if let Some(mean) = mean {
-            for (color, mean) in material.base_color.iter_mut().zip(mean.color) {
-                *color *= mean;
+            for (color, mean) in material.base_color.iter_mut().zip(mean.rgb) {
+                *color *= mean as f32;
             }
-            material.alpha *= mean.alpha;
+            material.alpha *= mean.alpha as f32;
         }
         Ok(material)
     }
@@ -194,10 +201,13 @@ impl Libraries<'_> {
         path: &std::path::Path,
         name: &str,
         place: String,
-    ) -> Result<Option<Mean>, ImportError> {
+    ) -> Result<Option<MeanColor>, ImportError> {
         self.options.watch.check().map_err(|e| ImportError::new(self.file, e))?;
         let mean = read_whole(path, self.budget, "a texture").and_then(|bytes| {
-            let mean = texture::mean(&bytes, name, self.budget);
+            // What shows little counts little.
+            let mean = self
+                .decoder
+                .decode(&bytes, name, self.budget, |texels| ColorMeans::of(texels).weighted(|alpha| alpha));
             self.budget.give_back(bytes.len() as u64);
             mean
         });

@@ -17,7 +17,8 @@
 //!
 //! **Frame.** OBJ says nothing of units and axes: metres and Y up (as in glTF) unless the options say otherwise.
 //!
-//! **Colours.** `Kd` and `Ke` are taken as linear, as they are; the mean of `map_Kd` is multiplied in.
+//! **Colours.** `Kd` and `Ke` are taken as linear, as they are. The mean of `map_Kd` is multiplied in: taken in linear
+//! light, with each texel's opacity as its weight, and its mean opacity.
 
 mod assemble;
 mod crossing;

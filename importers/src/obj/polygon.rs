@@ -144,8 +144,15 @@ impl Triangulator {
             (0..3).map(|axis| (p[axis] - q[axis]) * (p[axis] - q[axis])).sum::<f64>()
         };
         let cut = match (fits(&cuts[0]), fits(&cuts[1])) {
-            // Rounding must not choose between equal diagonals: a model in other units would be cut otherwise.
-            (true, true) => cuts[usize::from(length(1, 3) < length(0, 2) * (1.0 - 1e-9))],
+            (true, true) => {
+                // Rounding must not choose between equal diagonals: a model in other units would be cut otherwise.
+                // Far from the origin the roundings of the corners themselves are the larger part.
+                let far =
+                    self.ring.iter().flat_map(|&v| corners[v as usize]).fold(0.0f64, |m, c| m.max(c.abs()));
+                let (first, second) = (length(0, 2), length(1, 3));
+                let rounding = 1e-9 * first + 32.0 * f64::EPSILON * far * first.sqrt();
+                cuts[usize::from(second < first - rounding)]
+            }
             (true, false) => cuts[0],
             (false, true) => cuts[1],
             (false, false) => return false,
@@ -332,6 +339,9 @@ mod tests {
             let turned =
                 [[0.0, 0.0], [3.3, 0.0], [3.3, 1.7], [0.0, 1.7]].map(|[x, y]| [c * x - s * y, s * x + c * y]);
             assert_eq!(cut(&flat(&turned)).1, [[0, 1, 2], [0, 2, 3]]);
+            // Small, and as far away as models lie: the corners are rounded to 1e-9 m.
+            let far = turned.map(|[x, y]| [0.1 * x + 458_123.6, 0.1 * y - 5_427_891.4]);
+            assert_eq!(cut(&flat(&far)).1, [[0, 1, 2], [0, 2, 3]]);
         }
         // An arrow head: only the diagonal from the inner corner is inside.
         let arrow = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];

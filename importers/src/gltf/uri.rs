@@ -1,16 +1,16 @@
 //! What a `uri` may refer to: data inside it, or a file in the model's folder or below.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 
 use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
-use super::{fault, malformed};
+use super::fault;
 use crate::error::{ImportError, ImportErrorKind};
+use crate::folder::{self, Folder, FolderError, read_whole};
 use crate::limits::Budget;
 
 /// Exporters differ in whether they pad; nothing is lost by taking both.
@@ -19,9 +19,9 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The folder that a model's other files must be in.
+/// Follows a model's URIs.
 #[derive(Debug)]
-pub(super) struct Folder(Option<PathBuf>);
+pub(super) struct Uris(Option<Folder>);
 
 /// What a `uri` refers to.
 #[derive(Debug, PartialEq)]
@@ -29,22 +29,21 @@ enum Target<'a> {
     /// `data:`; the text behind the comma.
     Data { base64: bool, body: &'a str },
     /// A path that, taken by its letters, stays in the folder.
-    File(PathBuf),
+    File(String),
 }
 
-impl Folder {
-    /// The folder of the file at `path`.
-    pub fn of(path: &Path) -> Folder {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        Folder(Some(parent.unwrap_or(Path::new(".")).to_owned()))
+impl Uris {
+    /// Those of the file at `path`: other files must be in its folder.
+    pub fn of(path: &Path) -> Uris {
+        Uris(Some(Folder::of(path)))
     }
 
-    /// No folder: every reference to a file is an error.
-    pub fn none() -> Folder {
-        Folder(None)
+    /// Those of a file without a folder: every reference to a file is an error.
+    pub fn of_no_folder() -> Uris {
+        Uris(None)
     }
 
-    /// Refuses a `uri` that is no data and no file of this folder, without looking whether the file exists.
+    /// Refuses a `uri` that is no data and no file of the folder, without looking whether the file exists.
     ///
     /// # Errors
     /// Absolute paths, paths that climb out, schemes, backslashes.
@@ -55,7 +54,7 @@ impl Folder {
     /// The bytes that `uri` refers to; `what` names them for the `budget`, from which their size is taken.
     ///
     /// # Errors
-    /// As [`Folder::check`]; a link that leads out; no such file, or it cannot be read; data that is no base64;
+    /// As [`Uris::check`]; a link that leads out; no such file, or it cannot be read; data that is no base64;
     /// over the budget.
     pub fn read(
         &self,
@@ -66,7 +65,7 @@ impl Folder {
     ) -> Result<Vec<u8>, ImportError> {
         let bytes = match target(uri) {
             Ok(Target::Data { base64, body }) => read_data(base64, body, what, budget),
-            Ok(Target::File(relative)) => self.read_file(uri, &relative, what, budget),
+            Ok(Target::File(path)) => self.read_file(uri, &path, what, budget),
             Err(kind) => Err(kind),
         };
         bytes.map_err(|kind| fault(place, kind))
@@ -75,7 +74,7 @@ impl Folder {
     fn read_file(
         &self,
         uri: &str,
-        relative: &Path,
+        path: &str,
         what: &str,
         budget: &mut Budget,
     ) -> Result<Vec<u8>, ImportErrorKind> {
@@ -83,23 +82,22 @@ impl Folder {
             let text = format!("'{}' is another file, and there is no folder to look in", short(uri));
             return Err(ImportErrorKind::Io(io::Error::new(io::ErrorKind::NotFound, text)));
         };
-        let named =
-            |e: io::Error| ImportErrorKind::Io(io::Error::new(e.kind(), format!("'{}': {e}", short(uri))));
-        let root = fs::canonicalize(folder).map_err(named)?;
-        let path = fs::canonicalize(folder.join(relative)).map_err(named)?;
-        if !path.starts_with(&root) {
-            return Err(ImportErrorKind::LeavesFolder(short(uri)));
+        let file = folder.resolve(path).map_err(|error| refusal(error, uri))?;
+        read_whole(&file, budget, what).map_err(|kind| match kind {
+            ImportErrorKind::Io(error) => refusal(error.into(), uri),
+            kind => kind,
+        })
+    }
+}
+
+/// An error about the file that `uri` names.
+fn refusal(error: FolderError, uri: &str) -> ImportErrorKind {
+    match error {
+        FolderError::Leaves => ImportErrorKind::LeavesFolder(short(uri)),
+        FolderError::NoFile => ImportErrorKind::Unsupported(format!("'{}' is no regular file", short(uri))),
+        FolderError::Unreadable(error) => {
+            ImportErrorKind::Io(io::Error::new(error.kind(), format!("'{}': {error}", short(uri))))
         }
-        // Opening a pipe would wait for ever: look first.
-        let metadata = fs::metadata(&path).map_err(named)?;
-        if !metadata.is_file() {
-            return Err(ImportErrorKind::Unsupported(format!("'{}' is no regular file", short(uri))));
-        }
-        let length = metadata.len();
-        budget.take(length, what)?;
-        let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-        File::open(&path).and_then(|file| file.take(length).read_to_end(&mut bytes)).map_err(named)?;
-        Ok(bytes)
     }
 }
 
@@ -141,22 +139,21 @@ fn target(uri: &str) -> Result<Target<'_>, ImportErrorKind> {
             return Err(ImportErrorKind::Unsupported(text));
         }
     }
-    if decoded.starts_with('/') || decoded.contains('\\') {
+    if decoded.starts_with('/') {
         return Err(ImportErrorKind::LeavesFolder(short(uri)));
     }
-    let mut path = PathBuf::new();
+    // A rule of URIs: dots that stay inside are taken out. What leads out keeps its dots, and is refused.
+    let mut parts: Vec<&str> = Vec::new();
     for part in decoded.split('/') {
-        match part {
-            "" | "." => {}
-            ".." => {
-                if !path.pop() {
-                    return Err(ImportErrorKind::LeavesFolder(short(uri)));
-                }
-            }
-            part => path.push(part),
+        match (part, parts.last()) {
+            ("" | ".", _) => {}
+            ("..", Some(&last)) if last != ".." => _ = parts.pop(),
+            _ => parts.push(part),
         }
     }
-    if path.as_os_str().is_empty() {
+    let path = parts.join("/");
+    folder::check(&path).map_err(|error| refusal(error, uri))?;
+    if path.is_empty() {
         return Err(ImportErrorKind::Malformed(format!("'{}' is no file name", short(uri))));
     }
     Ok(Target::File(path))
@@ -185,17 +182,6 @@ pub(super) fn is_refusal(error: &ImportError) -> bool {
     matches!(error.kind, ImportErrorKind::LeavesFolder(_) | ImportErrorKind::Unsupported(_))
 }
 
-/// Checks that a buffer is as long as its description says.
-///
-/// # Errors
-/// It is shorter.
-pub(super) fn check_length(bytes: &[u8], stated: u64, place: &str) -> Result<(), ImportError> {
-    if (bytes.len() as u64) < stated {
-        return Err(malformed(place, format!("byteLength is {stated}, but there are {} bytes", bytes.len())));
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,6 +203,8 @@ mod tests {
             "C:/x.bin",
             "C:\\x.bin",
             "c%3Ax.bin",
+            "./C:/x.bin",
+            "/",
             "file:///etc/passwd",
             "FILE:x.bin",
             "http://example.org/x.bin",
@@ -235,9 +223,10 @@ mod tests {
 
     #[test]
     fn names_in_the_folder_are_decoded() {
-        let file = |name: &str| Target::File(PathBuf::from(name));
+        let file = |name: &str| Target::File(name.to_owned());
         assert_eq!(target("x.bin").unwrap(), file("x.bin"));
         assert_eq!(target("a/../b/./x.bin").unwrap(), file("b/x.bin"));
+        assert_eq!(target("a//.././/b//x.bin").unwrap(), file("b/x.bin"));
         assert_eq!(target("T%C3%BCr%20%231.bin").unwrap(), file("Tür #1.bin"));
         assert_eq!(target("Tür.bin").unwrap(), file("Tür.bin"));
         assert_eq!(target("1:2.bin").unwrap(), file("1:2.bin"));
@@ -246,7 +235,7 @@ mod tests {
     #[test]
     fn data_uris_are_decoded_with_and_without_padding() {
         let mut budget = Budget::new(&Limits::default());
-        let mut read = |uri: &str| Folder::none().read(uri, "buffers[0].uri", "a buffer", &mut budget);
+        let mut read = |uri: &str| Uris::of_no_folder().read(uri, "buffers[0].uri", "a buffer", &mut budget);
         assert_eq!(read("data:application/octet-stream;base64,AQID/w==").unwrap(), [1, 2, 3, 255]);
         assert_eq!(read("DATA:;BASE64,AQID/w").unwrap(), [1, 2, 3, 255]);
         assert_eq!(read("data:;base64,AQID%2Fw%3D%3D").unwrap(), [1, 2, 3, 255]);
