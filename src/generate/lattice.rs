@@ -48,6 +48,22 @@ impl Cuboid {
     }
 }
 
+/// A rectangle of the plan with sides along the axes, in units of the grid. Empty unless `lo` is below `hi` on both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect {
+    /// The corner with the least coordinates.
+    pub lo: [i32; 2],
+    /// The corner with the greatest coordinates.
+    pub hi: [i32; 2],
+}
+
+impl Rect {
+    /// Whether it holds no area.
+    pub fn is_empty(&self) -> bool {
+        (0..2).any(|i| self.lo[i] >= self.hi[i])
+    }
+}
+
 /// Where a thing drawn in its own frame stands: turned by quarter turns about the vertical, then moved.
 ///
 /// In its own frame a thing that belongs to a wall has u along the wall, v from the wall into the room, and the

@@ -30,6 +30,7 @@ mod outline;
 mod palette;
 mod patches;
 mod plan;
+mod sides;
 mod to_model;
 mod triangulate;
 mod write;

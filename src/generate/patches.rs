@@ -9,7 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::flush::gcd;
 use super::lattice::Point;
 use super::outline::polygons;
-use super::plan::{Layer, Plan};
+use super::plan::{Plan, Slope, Top};
+use super::sides::{Sides, Span};
 
 /// Which way a face looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,24 +68,26 @@ fn level_faces(
     groups: &mut BTreeMap<(Surface, Plane), Vec<[Point; 2]>>,
 ) {
     for column in &plan.columns {
-        let corners: Vec<[i32; 2]> = column.ring.iter().map(|&p| plan.points[p as usize]).collect();
         let label = |i: usize| column.layers.get(i).and_then(|layer| layer.label);
         for above in 0..=column.layers.len() {
             let below = above.checked_sub(1);
-            let z = below.map_or(plan.bottom, |i| column.layers[i].top);
+            let top = below.map_or(Top::Level(plan.bottom), |i| column.layers[i].top);
             let (under, over) = (below.and_then(label), label(above));
             if under == over {
                 continue;
             }
-            let next = |i: usize| (i + 1) % corners.len();
-            let at = |i: usize| [corners[i][0], corners[i][1], z];
+            let at = |i: u32| {
+                let [x, y] = plan.points[i as usize];
+                [x, y, top.at([x, y])]
+            };
+            let (normal, height) = top_plane(top);
             if let Some(found) = under.and_then(|own| surface(own, over, Facing::Up)) {
-                let edges = (0..corners.len()).map(|i| [at(i), at(next(i))]);
-                groups.entry((found, ([0, 0, 1], i64::from(z)))).or_default().extend(edges);
+                let edges = column.edges.iter().map(|&[u, v]| [at(u), at(v)]);
+                groups.entry((found, (normal, height))).or_default().extend(edges);
             }
             if let Some(found) = over.and_then(|own| surface(own, under, Facing::Down)) {
-                let edges = (0..corners.len()).map(|i| [at(next(i)), at(i)]);
-                groups.entry((found, ([0, 0, -1], -i64::from(z)))).or_default().extend(edges);
+                let edges = column.edges.iter().map(|&[u, v]| [at(v), at(u)]);
+                groups.entry((found, (normal.map(|c| -c), -height))).or_default().extend(edges);
             }
         }
     }
@@ -96,58 +99,46 @@ fn upright_faces(
     surface: &dyn Fn(u32, Option<u32>, Facing) -> Option<Surface>,
     groups: &mut BTreeMap<(Surface, Plane), Vec<[Point; 2]>>,
 ) {
-    let mut owner = BTreeMap::new();
+    let sides = Sides::of(plan);
     // Heights at which some column around a plan point changes its label: where its vertical line has corners.
     let mut levels: Vec<BTreeSet<i32>> = vec![BTreeSet::new(); plan.points.len()];
-    for (index, column) in plan.columns.iter().enumerate() {
-        for (&u, &v) in column.ring.iter().zip(column.ring.iter().cycle().skip(1)) {
-            owner.insert((u, v), index);
-            levels[u as usize].extend([plan.bottom].into_iter().chain(column.layers.iter().map(|l| l.top)));
+    for column in &plan.columns {
+        for &u in column.edges.iter().flatten() {
+            let tops = column.layers.iter().map(|layer| layer.top.at(plan.points[u as usize]));
+            levels[u as usize].extend([plan.bottom].into_iter().chain(tops));
         }
     }
-    for (&(u, v), &index) in &owner {
-        let own = &plan.columns[index].layers;
-        let across: &[Layer] = owner.get(&(v, u)).map_or(&[], |&other| &plan.columns[other].layers);
+    for ([u, v], spans) in sides.iter() {
         let (p, q) = (plan.points[u as usize], plan.points[v as usize]);
         let plane = upright_plane(p, q);
-        for (z0, z1, label, other) in side_by_side(plan.bottom, own, across) {
+        for Span { low, high, label, other } in spans {
             let Some(found) = label.and_then(|label| surface(label, other, Facing::Aside)) else { continue };
             let edges = groups.entry((found, plane)).or_default();
-            edges.push([[p[0], p[1], z0], [q[0], q[1], z0]]);
-            edges.push([[q[0], q[1], z1], [p[0], p[1], z1]]);
-            for (low, high) in steps(&levels[v as usize], z0, z1) {
-                edges.push([[q[0], q[1], low], [q[0], q[1], high]]);
-            }
-            for (low, high) in steps(&levels[u as usize], z0, z1) {
-                edges.push([[p[0], p[1], high], [p[0], p[1], low]]);
-            }
+            let (at_p, at_q) = (|z| [p[0], p[1], z], |z| [q[0], q[1], z]);
+            edges.push([at_p(low[0]), at_q(low[1])]);
+            edges.push([at_q(high[1]), at_p(high[0])]);
+            edges.extend(steps(&levels[v as usize], low[1], high[1]).map(|(z0, z1)| [at_q(z0), at_q(z1)]));
+            edges.extend(steps(&levels[u as usize], low[0], high[0]).map(|(z0, z1)| [at_p(z1), at_p(z0)]));
         }
     }
-}
-
-/// The spans of height over which two stacks have different labels.
-fn side_by_side(bottom: i32, own: &[Layer], across: &[Layer]) -> Vec<(i32, i32, Option<u32>, Option<u32>)> {
-    let mut spans = Vec::new();
-    let (mut i, mut j, mut z) = (0, 0, bottom);
-    // Above its own top nothing of this column is left to have a face.
-    while let Some(layer) = own.get(i) {
-        let other = across.get(j);
-        let top = other.map_or(layer.top, |o| o.top.min(layer.top));
-        let beyond = other.and_then(|o| o.label);
-        if top > z && layer.label != beyond {
-            spans.push((z, top, layer.label, beyond));
-        }
-        z = z.max(top);
-        i += usize::from(layer.top <= top);
-        j += usize::from(other.is_some_and(|o| o.top <= top));
-    }
-    spans
 }
 
 /// The steps between the levels from `z0` to `z1`, which are levels themselves.
-fn steps(levels: &BTreeSet<i32>, z0: i32, z1: i32) -> Vec<(i32, i32)> {
-    let within: Vec<i32> = levels.range(z0..=z1).copied().collect();
-    within.windows(2).map(|pair| (pair[0], pair[1])).collect()
+fn steps(levels: &BTreeSet<i32>, z0: i32, z1: i32) -> impl Iterator<Item = (i32, i32)> + '_ {
+    let within = levels.range(z0..=z1);
+    within.clone().copied().zip(within.skip(1).copied())
+}
+
+/// The plane of a layer's top, looking up.
+fn top_plane(top: Top) -> Plane {
+    match top {
+        Top::Level(z) => ([0, 0, 1], i64::from(z)),
+        Top::Slope(Slope { run, rise, per }) => {
+            let normal = [-i64::from(run[0]), -i64::from(run[1]), i64::from(per)];
+            let common = normal.iter().chain([&rise]).fold(0, |a, c| gcd(a, c.unsigned_abs())).max(1) as i64;
+            (normal.map(|c| c / common), rise / common)
+        }
+    }
 }
 
 /// The plane over the plan edge from `p` to `q`, looking to its right.
