@@ -1,29 +1,43 @@
-//! A building being drawn: boxes of space painted with elements, details put into the air, then closed volumes made
-//! of it all.
+//! A building being drawn: prisms of space painted with elements on one or more sheets, details put into the air, then
+//! closed volumes made of it all.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::importers::{Camera, Light, LightKind, Semantic};
 
 use super::building::{Building, Element, Face, Kind, vector_area};
+use super::compose::compose;
 use super::flush::mark_flush_details;
 use super::global_id::global_id;
-use super::lattice::{Cuboid, Point, point_metres};
+use super::lattice::{Cuboid, Point, Rect, point_metres};
 use super::palette::{self, Look};
 use super::patches::{Facing, Patch, Surface, patches};
-use super::plan::Plan;
+use super::plan::{Column, Paint, Plan, Top, stack};
+use super::sheet::Embedding;
 
-/// A building being drawn.
+/// A building being drawn. What is painted goes onto the sheet begun last, in its frame.
 pub struct Draft {
     seed: u64,
-    name: &'static str,
+    name: String,
     hull: Cuboid,
+    storey: Option<String>,
     elements: Vec<Element>,
     looks: Vec<Look>,
-    painted: Vec<(Cuboid, Option<u32>)>,
+    /// What fills the hull before anything is painted.
+    world: Vec<([Top; 2], u32)>,
+    sheets: Vec<Sheet>,
+    /// Pieces drawn by their outlines, in the world's frame.
+    pieces: Vec<Plan>,
     details: Vec<(u32, Plan)>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
+}
+
+/// A sheet that is painted on.
+struct Sheet {
+    embedding: Embedding,
+    rect: Rect,
+    paints: Vec<Paint>,
 }
 
 impl Draft {
@@ -31,14 +45,17 @@ impl Draft {
     pub const EXTERIOR: u32 = 0;
 
     /// An empty building: the whole of `hull` is exterior.
-    pub fn new(name: &'static str, seed: u64, hull: Cuboid) -> Draft {
+    pub fn new(name: &str, seed: u64, hull: Cuboid) -> Draft {
         let mut draft = Draft {
             seed,
-            name,
+            name: name.to_owned(),
             hull,
+            storey: None,
             elements: Vec::new(),
             looks: Vec::new(),
-            painted: Vec::new(),
+            world: Vec::new(),
+            sheets: Vec::new(),
+            pieces: Vec::new(),
             details: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
@@ -47,9 +64,28 @@ impl Draft {
             draft.element(Kind::Exterior, Semantic::Exterior, "IfcExternalSpatialElement", "EXTERIOR");
         // The class stands for more than air outside, so the meaning is written out.
         draft.extra(exterior, "semantic", "EXTERIOR");
-        draft.elements[exterior as usize].storey = None;
-        draft.paint(exterior, hull);
+        draft.fill_world(exterior, [hull.lo[2], hull.hi[2]]);
         draft
+    }
+
+    /// Gives all of the hull between two heights to an element, before anything is painted over it.
+    pub fn fill_world(&mut self, element: u32, heights: [i32; 2]) {
+        self.world.push((heights.map(Top::Level), element));
+    }
+
+    /// Begins a sheet of this extent: no two sheets overlap in the world.
+    pub fn begin_sheet(&mut self, embedding: Embedding, rect: Rect) {
+        self.sheets.push(Sheet { embedding, rect, paints: Vec::new() });
+    }
+
+    /// The frame of the sheet begun last.
+    fn frame(&self) -> &Embedding {
+        self.sheets.last().map_or(&Embedding::Straight, |sheet| &sheet.embedding)
+    }
+
+    /// Gives the elements that follow a storey.
+    pub fn storey(&mut self, name: &str) {
+        self.storey = Some(name.to_owned());
     }
 
     /// Adds an element without space yet.
@@ -61,7 +97,7 @@ impl Draft {
             class: class.to_owned(),
             name: name.to_owned(),
             global_id: global_id(self.seed, &format!("{}/{class}:{name}", self.name)),
-            storey: Some("Ground floor".to_owned()),
+            storey: self.storey.clone(),
             host: None,
             filling: None,
             opening: None,
@@ -95,12 +131,39 @@ impl Draft {
 
     /// Gives a box of space to an element, and takes it from whatever had it.
     pub fn paint(&mut self, element: u32, cuboid: Cuboid) {
-        self.painted.push((cuboid, Some(element)));
+        self.paint_prism((cuboid, Some(element)).into());
+    }
+
+    /// Gives a prism, whose sides may slope, to an element.
+    pub fn paint_prism(&mut self, paint: Paint) {
+        if let Some(sheet) = self.sheets.last_mut() {
+            sheet.paints.push(paint);
+        }
+    }
+
+    /// Draws a region of the world by its outline, counter-clockwise, that no sheet covers: of what is painted over
+    /// it, the last counts.
+    pub fn region(&mut self, outline: &[[i32; 2]], painted: &[([i32; 2], u32)]) {
+        let rect = Rect { lo: [0; 2], hi: [1; 2] };
+        let over = self.world.iter().copied().chain(painted.iter().map(|&(z, e)| (z.map(Top::Level), e)));
+        let paints: Vec<Paint> =
+            over.map(|(sides, element)| Paint { rect, sides, label: Some(element) }).collect();
+        let bottom = self.hull.lo[2];
+        let count = outline.len() as u32;
+        let edges = (0..count).map(|i| [i, (i + 1) % count]).collect();
+        let layers = stack(bottom, paints.iter(), [rect.lo, rect.hi]);
+        self.pieces.push(Plan { points: outline.to_vec(), bottom, columns: vec![Column { edges, layers }] });
     }
 
     /// Adds a part to a detail. The labels of `plan` are materials.
     pub fn detail(&mut self, element: u32, plan: Plan) {
+        let plan = plan.moved(|point| self.frame().place(point));
         self.details.push((element, plan));
+    }
+
+    /// Adds a part to a detail, of prisms whose labels are materials.
+    pub fn detail_of(&mut self, element: u32, paints: &[Paint], bottom: i32) {
+        self.details.push((element, self.frame().plan(paints, bottom)));
     }
 
     /// Adds a point light of white light.
@@ -108,7 +171,7 @@ impl Draft {
         self.lights.push(Light {
             name: name.to_owned(),
             kind: LightKind::Point,
-            position: point_metres(at),
+            position: point_metres(self.frame().point(at)),
             direction: [0.0, 0.0, -1.0],
             color: palette::LAMP_LIGHT,
             intensity: candela,
@@ -130,7 +193,7 @@ impl Draft {
 
     /// Makes the volumes.
     pub fn finish(mut self) -> Building {
-        let plan = Plan::of_boxes(&self.painted);
+        let plan = self.space();
         let of_volumes = patches(&plan, &|own, beyond, facing| Some(self.surface(own, beyond, facing)));
         let mut found: Vec<Vec<Patch>> = vec![Vec::new(); self.elements.len()];
         for patch in of_volumes {
@@ -148,13 +211,30 @@ impl Draft {
         }
         mark_flush_details(&mut self.elements);
         Building {
-            name: self.name.to_owned(),
+            name: self.name,
             hull: [self.hull.lo, self.hull.hi],
             elements: self.elements,
             materials: palette::materials(),
             lights: self.lights,
             cameras: self.cameras,
         }
+    }
+
+    /// The plan of all space in the hull.
+    fn space(&mut self) -> Plan {
+        let bottom = self.hull.lo[2];
+        let world = Rect { lo: [self.hull.lo[0], self.hull.lo[1]], hi: [self.hull.hi[0], self.hull.hi[1]] };
+        let filled = |rect: Rect| {
+            self.world.iter().map(move |&(sides, element)| Paint { rect, sides, label: Some(element) })
+        };
+        let sheets = self.sheets.iter().map(|sheet| {
+            let paints: Vec<Paint> = filled(sheet.rect).chain(sheet.paints.iter().copied()).collect();
+            sheet.embedding.plan(&paints, bottom)
+        });
+        let mut pieces: Vec<Plan> = sheets.collect();
+        pieces.append(&mut self.pieces.clone());
+        let rest = stack(bottom, filled(world).collect::<Vec<_>>().iter(), [world.lo, world.hi]);
+        compose(pieces, world, bottom, &rest)
     }
 
     /// The material of a face of the volume `own` that looks at `beyond`, and what it is joined with.

@@ -11,6 +11,7 @@ use super::furnish;
 use super::joinery::{self, AJAR, Ajar, Hinge, Hole, Leaf};
 use super::lattice::{Cuboid, Placement, units};
 use super::palette::{self, Look};
+use super::sheet::Embedding;
 
 /// What [`house`] makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -219,6 +220,8 @@ const LAMPS: [(usize, [f64; 2], f32); 8] = [
 pub fn house(options: &HouseOptions) -> Building {
     let hull = Cuboid::new([-7.0, -8.5, BOTTOM], [SIZE[0] + 7.0, SIZE[1] + 7.0, 7.0]);
     let mut draft = Draft::new("House", options.seed, hull);
+    draft.storey("Ground floor");
+    draft.begin_sheet(Embedding::Straight, hull.plan());
     if options.site {
         let garden = draft.element(Kind::Solid, Semantic::Site, "IfcSite", "Garden");
         draft.look(garden, Look { top: palette::GRASS, outside: palette::GRASS, ..Look::default() });

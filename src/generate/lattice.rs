@@ -42,6 +42,11 @@ impl Cuboid {
         Cuboid { lo: [0, 1, 2].map(|i| a[i].min(b[i])), hi: [0, 1, 2].map(|i| a[i].max(b[i])) }
     }
 
+    /// What it covers of the plan.
+    pub fn plan(&self) -> Rect {
+        Rect { lo: [self.lo[0], self.lo[1]], hi: [self.hi[0], self.hi[1]] }
+    }
+
     /// Whether it holds no space.
     pub fn is_empty(&self) -> bool {
         (0..3).any(|i| self.lo[i] >= self.hi[i])

@@ -18,6 +18,7 @@
 //! joined to polygons with holes (`patches`, `outline`); the writers cut these up (`triangulate`).
 
 mod building;
+mod compose;
 mod draft;
 mod flush;
 mod furnish;
@@ -30,6 +31,7 @@ mod outline;
 mod palette;
 mod patches;
 mod plan;
+mod sheet;
 mod sides;
 mod to_model;
 mod triangulate;

@@ -106,7 +106,7 @@ pub struct Paint {
 
 impl From<(Cuboid, Option<u32>)> for Paint {
     fn from((Cuboid { lo, hi }, label): (Cuboid, Option<u32>)) -> Paint {
-        let rect = Rect { lo: [lo[0], lo[1]], hi: [hi[0], hi[1]] };
+        let rect = Cuboid { lo, hi }.plan();
         Paint { rect, sides: [Top::Level(lo[2]), Top::Level(hi[2])], label }
     }
 }
@@ -132,9 +132,18 @@ impl Plan {
         if xs.len() < 2 || ys.len() < 2 {
             return Plan::default();
         }
-        let grid = Grid { xs, ys };
-        let stacks = grid.stacks(&paints, bottom);
-        grid.plan(stacks, bottom)
+        Grid { xs, ys }.plan(&paints, bottom, false)
+    }
+
+    /// As [`Plan::of_paints`], of a drawing that will be rolled around a center: y counts the `facets`, between which
+    /// lines of equal x will bend.
+    pub fn of_rolled(paints: &[Paint], bottom: i32, facets: i32) -> Plan {
+        let paints: Vec<&Paint> = paints.iter().filter(|p| !p.rect.is_empty()).collect();
+        let xs = cuts(paints.iter().flat_map(|p| [p.rect.lo[0], p.rect.hi[0]]));
+        if xs.len() < 2 || facets < 1 {
+            return Plan::default();
+        }
+        Grid { xs, ys: (0..=facets).collect() }.plan(&paints, bottom, true)
     }
 
     /// The plan with its points moved by `place`, which must keep the orientation, and be injective; where it does
@@ -194,7 +203,8 @@ impl Grid {
     }
 
     /// One column for each stack in use: rectangles with the same stack are one region.
-    fn plan(&self, (cells, stacks): (Vec<u32>, Vec<Vec<Layer>>), bottom: i32) -> Plan {
+    fn plan(&self, paints: &[&Paint], bottom: i32, rolled: bool) -> Plan {
+        let (cells, stacks) = self.stacks(paints, bottom);
         let (width, height) = (self.width(), self.ys.len() - 1);
         let corner = |i: usize, j: usize| (j * (width + 1) + i) as u32;
         let mut edges: Vec<Vec<[u32; 2]>> = vec![Vec::new(); stacks.len()];
@@ -219,12 +229,13 @@ impl Grid {
         let points = self.ys.iter().flat_map(|&y| self.xs.iter().map(move |&x| [x, y])).collect();
         let columns = edges.into_iter().zip(stacks).map(|(edges, layers)| Column { edges, layers });
         let columns = columns.filter(|column| !column.layers.is_empty()).collect();
-        straightened(Plan { points, bottom, columns })
+        straightened(Plan { points, bottom, columns }, rolled)
     }
 }
 
-/// The plan without the points through which only one straight line goes, and without those that no edge uses.
-fn straightened(plan: Plan) -> Plan {
+/// The plan without the points through which only one straight line goes, and without those that no edge uses. If it
+/// is to be rolled, lines of equal x keep their points.
+fn straightened(plan: Plan, rolled: bool) -> Plan {
     let none = u32::MAX;
     // The two neighbours of each point, or that there are more.
     let mut neighbours = vec![([none; 2], false); plan.points.len()];
@@ -241,7 +252,7 @@ fn straightened(plan: Plan) -> Plan {
         let ([a, b], more) = neighbours[at as usize];
         let [p, q, r] = [a, at, b].map(|i| plan.points.get(i as usize).map(|p| p.map(i64::from)));
         match (more, p, q, r) {
-            (false, Some(p), Some(q), Some(r)) => {
+            (false, Some(p), Some(q), Some(r)) if !rolled || p[0] != q[0] => {
                 (q[0] - p[0]) * (r[1] - p[1]) == (q[1] - p[1]) * (r[0] - p[0])
             }
             _ => false,
@@ -281,7 +292,7 @@ fn cuts(values: impl Iterator<Item = i32>) -> Vec<i32> {
 }
 
 /// The layers that prisms make over a rectangle, painted one over the other; without empty space at the top.
-fn stack<'a>(
+pub fn stack<'a>(
     bottom: i32,
     over: impl Iterator<Item = &'a Paint> + Clone,
     corners: [[i32; 2]; 2],
