@@ -1,15 +1,14 @@
 //! A one-storey house of eight rooms: an L-shaped living room with a chimney and a dining end, kitchen, L-shaped
 //! hall, WC, L-shaped bath, two bedrooms and a study; flat roof, terrace, garden.
 
-use twox_hash::XxHash3_64;
-
 use crate::importers::Semantic;
 
 use super::building::{Building, Kind};
 use super::draft::Draft;
 use super::furnish;
-use super::joinery::{self, AJAR, Ajar, Hinge, Hole, Leaf};
-use super::lattice::{Cuboid, Placement, units};
+use super::holes::{self, Filling, Hole};
+use super::joinery::Hinge;
+use super::lattice::{Cuboid, units};
 use super::palette::{self, Look};
 use super::sheet::Embedding;
 
@@ -124,16 +123,6 @@ const WALLS: [(&str, Rect, bool); 14] = [
     ("Wall WC-bath east", [7.12, 8.00, 7.24, 9.64], false),
     ("Wall WC-bath south", [5.82, 7.88, 7.24, 8.00], false),
 ];
-
-/// What closes a hole.
-#[derive(Clone, Copy)]
-enum Filling {
-    Nothing,
-    Window { panes: i32 },
-    Entrance,
-    Terrace,
-    Door(Hinge),
-}
 
 struct HolePlan {
     name: &'static str,
@@ -331,66 +320,11 @@ fn chimney(draft: &mut Draft, living: u32) {
 /// Makes a hole in a wall and fills it.
 fn pierce(draft: &mut Draft, plan: &HolePlan, wall: u32, seed: u64) {
     let (_, [west, south, east, north], _) = WALLS[plan.wall];
-    let along_x = plan.inside.is_multiple_of(2);
     let [from, to] = plan.along;
+    let along_x = plan.inside.is_multiple_of(2);
     let rect = if along_x { [from, south, to, north] } else { [west, from, east, to] };
     let space = upright(rect, [plan.sill, HEAD]);
-    let semantic = match plan.filling {
-        Filling::Nothing => Semantic::Opening,
-        Filling::Window { .. } => Semantic::Window,
-        _ => Semantic::Door,
-    };
-    let opening =
-        draft.element(Kind::Opening, semantic, "IfcOpeningElement", &format!("{} opening", plan.name));
-    let floor = if plan.sill > 0.0 { palette::STONE } else { palette::OAK_FLOOR };
-    draft.look(opening, Look { floor, ceiling: palette::PLASTER, ..Look::default() });
-    draft.paint(opening, space);
-
-    let hole = hole_frame(&space, plan.inside);
-    let ajar = |most: usize| -> Ajar {
-        let pick = XxHash3_64::oneshot_with_seed(seed, plan.name.as_bytes()) % (most as u64 + 1);
-        AJAR[pick as usize]
-    };
-    let leaf = |hinge, ajar, glazed, paint| Leaf { hinge, ajar, glazed, paint };
-    let parts = match plan.filling {
-        Filling::Nothing => None,
-        Filling::Window { panes } => {
-            Some((Semantic::WindowFrame, "IfcWindow", joinery::window(&hole, panes)))
-        }
-        Filling::Entrance => {
-            let leaves = [leaf(Hinge::Low, AJAR[0], false, palette::GREEN_PAINT)];
-            Some((Semantic::DoorLeaf, "IfcDoor", joinery::door(&hole, &leaves)))
-        }
-        Filling::Terrace => {
-            let leaves = [
-                leaf(Hinge::Low, AJAR[0], true, palette::WHITE_PAINT),
-                leaf(Hinge::High, ajar(2), true, palette::WHITE_PAINT),
-            ];
-            Some((Semantic::DoorLeaf, "IfcDoor", joinery::door(&hole, &leaves)))
-        }
-        Filling::Door(hinge) => {
-            let leaves = [leaf(hinge, ajar(3), false, palette::WHITE_PAINT)];
-            Some((Semantic::DoorLeaf, "IfcDoor", joinery::door(&hole, &leaves)))
-        }
-    };
-    let filling = parts.map(|(semantic, class, plans)| {
-        let filling = draft.element(Kind::Detail, semantic, class, plan.name);
-        plans.into_iter().for_each(|part| draft.detail(filling, part));
-        filling
-    });
-    draft.fill(wall, opening, filling);
-}
-
-/// The hole's own frame, in which v points to `inside`.
-fn hole_frame(space: &Cuboid, inside: u8) -> Hole {
-    let Cuboid { lo, hi } = *space;
-    let [x, y] = match inside {
-        0 => [lo[0], hi[1]],
-        1 => [lo[0], lo[1]],
-        2 => [hi[0], lo[1]],
-        _ => [hi[0], hi[1]],
-    };
-    let size = [0, 1, 2].map(|i| hi[i] - lo[i]);
-    let (width, depth) = if inside.is_multiple_of(2) { (size[0], size[1]) } else { (size[1], size[0]) };
-    Hole { place: Placement { origin: [x, y, lo[2]], turns: inside }, width, depth, height: size[2] }
+    let HolePlan { name, inside, filling, .. } = *plan;
+    let hole = Hole { name, space, inside, filling, threshold: palette::OAK_FLOOR };
+    holes::pierce(draft, &hole, wall, seed);
 }

@@ -24,6 +24,7 @@ mod flush;
 mod furnish;
 mod furniture;
 mod global_id;
+mod holes;
 mod house;
 mod joinery;
 mod lattice;
