@@ -26,6 +26,8 @@ pub struct Draft {
     /// What fills the hull before anything is painted.
     world: Vec<([Top; 2], u32)>,
     sheets: Vec<Sheet>,
+    /// Whether details and lights are given in the world's frame rather than the sheet's.
+    in_world: bool,
     /// Pieces drawn by their outlines, in the world's frame.
     pieces: Vec<Plan>,
     details: Vec<(u32, Plan)>,
@@ -38,6 +40,8 @@ struct Sheet {
     embedding: Embedding,
     rect: Rect,
     paints: Vec<Paint>,
+    /// Painted over all others.
+    last: Vec<Paint>,
 }
 
 impl Draft {
@@ -55,6 +59,7 @@ impl Draft {
             looks: Vec::new(),
             world: Vec::new(),
             sheets: Vec::new(),
+            in_world: false,
             pieces: Vec::new(),
             details: Vec::new(),
             lights: Vec::new(),
@@ -75,12 +80,18 @@ impl Draft {
 
     /// Begins a sheet of this extent: no two sheets overlap in the world.
     pub fn begin_sheet(&mut self, embedding: Embedding, rect: Rect) {
-        self.sheets.push(Sheet { embedding, rect, paints: Vec::new() });
+        self.sheets.push(Sheet { embedding, rect, paints: Vec::new(), last: Vec::new() });
     }
 
     /// The frame of the sheet begun last.
     fn frame(&self) -> &Embedding {
-        self.sheets.last().map_or(&Embedding::Straight, |sheet| &sheet.embedding)
+        let sheet = self.sheets.last().filter(|_| !self.in_world);
+        sheet.map_or(&Embedding::Straight, |sheet| &sheet.embedding)
+    }
+
+    /// Whether what follows of details and lights is given in the world's frame rather than the sheet's.
+    pub fn in_world(&mut self, is_so: bool) {
+        self.in_world = is_so;
     }
 
     /// Gives the elements that follow a storey.
@@ -138,6 +149,13 @@ impl Draft {
     pub fn paint_prism(&mut self, paint: Paint) {
         if let Some(sheet) = self.sheets.last_mut() {
             sheet.paints.push(paint);
+        }
+    }
+
+    /// As [`Draft::paint`], over all that is painted on the sheet before and after.
+    pub fn paint_last(&mut self, element: u32, cuboid: Cuboid) {
+        if let Some(sheet) = self.sheets.last_mut() {
+            sheet.last.push((cuboid, Some(element)).into());
         }
     }
 
@@ -228,7 +246,8 @@ impl Draft {
             self.world.iter().map(move |&(sides, element)| Paint { rect, sides, label: Some(element) })
         };
         let sheets = self.sheets.iter().map(|sheet| {
-            let paints: Vec<Paint> = filled(sheet.rect).chain(sheet.paints.iter().copied()).collect();
+            let paints: Vec<Paint> =
+                filled(sheet.rect).chain(sheet.paints.iter().chain(&sheet.last).copied()).collect();
             sheet.embedding.plan(&paints, bottom)
         });
         let mut pieces: Vec<Plan> = sheets.collect();

@@ -17,7 +17,9 @@
 //! How it works: [`house`] paints labels into boxes of space (`draft`, `plan`); where labels meet there are faces,
 //! joined to polygons with holes (`patches`, `outline`); the writers cut these up (`triangulate`).
 
+mod attach;
 mod building;
+mod complex;
 mod compose;
 mod draft;
 mod flush;
@@ -26,16 +28,21 @@ mod furniture;
 mod global_id;
 mod holes;
 mod house;
+mod interior;
 mod joinery;
 mod lattice;
+mod offices;
 mod outline;
 mod palette;
 mod patches;
 mod plan;
 mod sheet;
 mod sides;
+mod stair;
 mod to_model;
 mod triangulate;
+mod uses;
+mod wing;
 mod write;
 mod write_glb;
 mod write_obj;
@@ -46,4 +53,5 @@ mod tests;
 pub use building::{Building, Element, Face, Kind};
 pub use house::{HouseOptions, house};
 pub use lattice::{PER_METRE, Point, metres};
+pub use offices::{OfficeOptions, TowerOptions, build1, build2, build3, tower};
 pub use write::{WriteError, write};
