@@ -6,6 +6,7 @@ use crate::importers::{Camera, Light, Material, Semantic};
 
 use super::lattice::{Point, metres};
 use super::outline::flatten;
+use super::plan::Plan;
 use super::triangulate;
 
 /// A generated building: elements that are closed volumes, on a grid of 1/1024 m, Z up.
@@ -27,6 +28,8 @@ pub struct Building {
     pub lights: Vec<Light>,
     /// Views that show the building well, metres, Z up.
     pub cameras: Vec<Camera>,
+    /// What the volumes were made of.
+    pub(super) space: Plan,
 }
 
 /// What fills a volume.

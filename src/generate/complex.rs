@@ -603,7 +603,8 @@ impl<'a> Drawing<'a> {
         let top = storeys as i32 * STOREY * MODULE;
         let slab = self.slab_without_extent(&format!("{} foyer roof slab", wing.name), top);
         let roof = self.roof(&format!("{} foyer roof", wing.name));
-        let above = [([top - SLAB * MODULE, top], slab), ([top, top + MODULE], roof)];
+        // As high as the parapets around: else these would touch in a line, between air on both sides.
+        let above = [([top - SLAB * MODULE, top], slab), ([top, top + PARAPET * MODULE], roof)];
         room_layers.extend(above);
         wall_layers.extend(above);
         self.draft.region(&inside, &room_layers);

@@ -235,6 +235,7 @@ impl Draft {
             materials: palette::materials(),
             lights: self.lights,
             cameras: self.cameras,
+            space: plan,
         }
     }
 

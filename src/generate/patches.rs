@@ -13,7 +13,7 @@ use super::plan::{Plan, Slope, Top};
 use super::sides::{Sides, Span};
 
 /// Which way a face looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Facing {
     /// Straight up.
     Up,

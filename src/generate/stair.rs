@@ -57,7 +57,7 @@ impl StairPlan {
         let width = (east - west - EYE) / 2;
         let steps = rise / (2 * RISE);
         let landing = FLOOR + TREAD * (steps - 1).min((depth - FLOOR - LANDING) / TREAD);
-        let mut boxes = vec![(self.across([landing, depth], [west, east]), [rise / 2 - RISE, rise / 2])];
+        let mut boxes = vec![(self.across([landing, depth], [west, east]), [rise / 2 - 2 * RISE, rise / 2])];
         for i in 1..steps {
             let top = i * RISE;
             let near = FLOOR + (i - 1) * TREAD;

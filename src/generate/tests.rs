@@ -84,6 +84,16 @@ fn all_houses() -> Vec<Building> {
     options.iter().map(house).collect()
 }
 
+/// All buildings, small and large, and random ones.
+fn all_buildings() -> Vec<Building> {
+    let mut all = all_houses();
+    let bare = OfficeOptions { furniture: false, ..OfficeOptions::default() };
+    all.extend([build1(&OfficeOptions::default()), build1(&bare), build2(&bare)]);
+    all.extend([1, 2, 3].map(|storeys| tower(&TowerOptions { storeys, office: bare })));
+    all.extend((0..24).map(|seed| random(&OfficeOptions { seed, ..bare })));
+    all
+}
+
 /// Panics unless each directed edge occurs once, and its reverse too.
 fn assert_closed<P: Ord + Copy + std::fmt::Debug>(rings: impl Iterator<Item = Vec<P>>, name: &str) {
     let mut edges: BTreeMap<(P, P), u32> = BTreeMap::new();
@@ -100,7 +110,7 @@ fn assert_closed<P: Ord + Copy + std::fmt::Debug>(rings: impl Iterator<Item = Ve
 
 #[test]
 fn elements_are_closed_and_planar() {
-    for building in all_houses() {
+    for building in all_buildings() {
         for element in &building.elements {
             let name = element.tagged_name();
             let at = |ring: &[u32]| ring.iter().map(|&i| element.points[i as usize]).collect::<Vec<Point>>();
@@ -109,8 +119,8 @@ fn elements_are_closed_and_planar() {
             assert_closed(faces().flat_map(|f| element.triangles(f)).map(|t| at(&t)), &name);
             assert_closed(faces().flat_map(|f| element.polygons(f)).map(|p| at(&p)), &name);
             for face in faces() {
-                let normal = element.normal(face);
-                let height = |p: Point| (0..3).map(|i| normal[i] * i64::from(p[i])).sum::<i64>();
+                let normal = element.normal(face).map(i128::from);
+                let height = |p: Point| (0..3).map(|i| normal[i] * i128::from(p[i])).sum::<i128>();
                 let points = at(&face.loops.concat());
                 assert!(points.iter().all(|&p| height(p) == height(points[0])), "{name} has a bent face");
             }
@@ -125,7 +135,7 @@ fn elements_are_closed_and_planar() {
 
 #[test]
 fn volumes_fill_the_hull_exactly() {
-    for building in all_houses() {
+    for building in all_buildings() {
         let [lo, hi] = building.hull;
         let hull: i128 = (0..3).map(|i| i128::from(hi[i] - lo[i])).product();
         let volumes = building.elements.iter().filter(|e| is_volume(e));
@@ -308,4 +318,106 @@ fn the_model_holds_all_triangles() {
     }
     assert_eq!(model.lights[0].position, building.lights[0].position);
     assert_eq!(model.cameras[1].eye, building.cameras[1].eye);
+}
+
+/// Points a little off all faces of an element, outside.
+fn beside(element: &Element) -> Vec<[f64; 3]> {
+    let mut points = Vec::new();
+    for face in &element.faces {
+        let n = element.normal(face).map(|c| c as f64);
+        let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+        for triangle in element.triangles(face) {
+            let corners = triangle.map(|i| point_metres(element.points[i as usize]));
+            for weights in [[0.34, 0.35, 0.31], [0.8, 0.09, 0.11], [0.1, 0.83, 0.07], [0.06, 0.12, 0.82]] {
+                points.push(
+                    [0, 1, 2].map(|i| {
+                        (0..3).map(|k| weights[k] * corners[k][i]).sum::<f64>() + n[i] / length * 2e-4
+                    }),
+                );
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn the_truth_is_what_the_meshes_say() {
+    let bare = OfficeOptions { furniture: false, ..OfficeOptions::default() };
+    let mut all = vec![
+        house(&HouseOptions::default()),
+        build1(&bare),
+        tower(&TowerOptions { storeys: 3, office: bare }),
+    ];
+    all.extend((0..8).map(|seed| random(&OfficeOptions { seed, ..bare })));
+    for building in &all {
+        let truth = building.truth();
+        let volumes = shapes(building, is_volume);
+        let at = |p: [f64; 3]| volumes.iter().find(|(_, shape)| shape.holds(p)).map(|(e, _)| *e);
+        let air: f64 = truth
+            .rooms
+            .iter()
+            .map(|r| &r.air)
+            .chain(truth.openings.iter().map(|o| &o.air))
+            .chain([&truth.exterior])
+            .map(|a| a.volume)
+            .sum();
+        let solid: f64 =
+            building.elements.iter().filter(|e| e.kind == Kind::Solid).map(Element::volume).sum();
+        assert!((air + solid - truth.volume).abs() < 1e-9 * truth.volume, "{}", building.name);
+
+        // Each opening joins the volumes of air that points beside its faces lie in.
+        assert_eq!(
+            truth.openings.len(),
+            building.elements.iter().filter(|e| e.kind == Kind::Opening).count()
+        );
+        for opening in &truth.openings {
+            let element = building.elements.iter().find(|e| e.global_id == opening.air.id).unwrap();
+            let found: BTreeMap<&str, ()> = beside(element)
+                .into_iter()
+                .filter_map(&at)
+                .filter(|e| e.kind.is_air())
+                .map(|e| (e.global_id.as_str(), ()))
+                .collect();
+            let told: BTreeMap<&str, ()> = opening.joins.iter().map(|p| (p.id.as_str(), ())).collect();
+            assert_eq!(told, found, "{}: {}", building.name, opening.air.name);
+            // A window in an outer wall joins the room and the outside, a door two rooms.
+            assert_eq!(told.len(), 2, "{}: {}", building.name, opening.air.name);
+        }
+
+        // The faces of a room are all of its surface, floor area and all.
+        for room in &truth.rooms {
+            let (element, shape) = volumes.iter().find(|(e, _)| e.global_id == room.air.id).unwrap();
+            let area = |t: &[[f64; 3]; 3]| {
+                let [u, v] = [1, 2].map(|k| [0, 1, 2].map(|i| t[k][i] - t[0][i]));
+                let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+                (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() / 2.0
+            };
+            let surface: f64 = shape.triangles.iter().map(area).sum();
+            let told: f64 = room.air.faces.values().sum();
+            assert!(
+                (surface - told).abs() < 1e-9 * surface,
+                "{}: {} {surface} {told}",
+                building.name,
+                element.name
+            );
+            assert!(room.floor_area > 0.0 && room.air.faces["PORTAL"] > 0.0, "{}", element.name);
+        }
+
+        assert!(truth.points.len() >= 2000 + 2 * truth.rooms.len(), "{}", truth.points.len());
+        for point in truth.points.iter().step_by(7) {
+            assert_eq!(at(point.point).map(|e| &e.global_id), Some(&point.id), "{:?}", point.point);
+        }
+    }
+}
+
+#[test]
+fn office_buildings_are_those_of_the_paper() {
+    let rooms = |b: &Building| b.elements.iter().filter(|e| e.kind == Kind::Room).count();
+    let first = build1(&OfficeOptions::default());
+    let second = build2(&OfficeOptions::default());
+    assert_eq!([rooms(&first), rooms(&second)], [46, 135]);
+    assert_eq!([first.lights.len(), second.lights.len()], [55, 199]);
+    let near = |faces: usize, wanted: usize| faces * 10 > wanted * 9 && faces * 10 < wanted * 11;
+    assert!(near(first.visible_faces(), 8557), "{}", first.visible_faces());
+    assert!(near(second.visible_faces(), 29_937), "{}", second.visible_faces());
 }
