@@ -33,10 +33,10 @@ impl Export<'_> {
                 below[above].push(index);
             }
         }
-        for (index, object) in self.objects.iter().enumerate().filter(|(_, object)| object.above.is_none()) {
-            self.add(&mut builder, &materials, index, object)?;
-            for &lower in &below[index] {
-                self.add(&mut builder, &materials, lower, &self.objects[lower])?;
+        let nodes = self.nodes();
+        for index in (0..self.objects.len()).filter(|&index| self.objects[index].above.is_none()) {
+            for &index in [index].iter().chain(&below[index]) {
+                self.add(&mut builder, &materials, &self.objects[index], nodes[index])?;
             }
         }
         let metres = |p| self.placement.in_metres(self.placement.local(p));
@@ -56,18 +56,31 @@ impl Export<'_> {
         builder.finish()
     }
 
+    /// The number of the node that each object's mesh is in, or that of its first part: parts come after all objects.
+    fn nodes(&self) -> Vec<usize> {
+        let mut next = self.objects.len();
+        let node = |(index, object): (usize, &Object<'_>)| match object.part_count() {
+            1 => index,
+            count => {
+                next += count;
+                next - count
+            }
+        };
+        self.objects.iter().enumerate().map(node).collect()
+    }
+
     fn add(
         &self,
         builder: &mut ModelBuilder,
         materials: &[MaterialId],
-        index: usize,
         object: &Object<'_>,
+        node: usize,
     ) -> Result<(), ImportError> {
         let parts = object.parts(Cut::Triangles);
         let is_split = parts.len() > 1;
         for (number, part) in (1..).zip(&parts) {
-            let new =
-                if is_split { self.new_part(index, object, number) } else { self.new_element(index, object) };
+            let mut new = if is_split { self.new_part(object, number) } else { self.new_element(object) };
+            new.place = format!("nodes[{}]", node + number - 1);
             let new = builder.element(new)?;
             builder.semantic(new, object.drawn.semantic);
             self.add_mesh(part, |corners, material| {
@@ -115,7 +128,7 @@ impl Export<'_> {
         (names, inherited)
     }
 
-    fn new_element(&self, index: usize, object: &Object<'_>) -> NewElement {
+    fn new_element(&self, object: &Object<'_>) -> NewElement {
         let label = &object.label;
         let (above, inherited) = self.heritage(object);
         let link = |key: &str| label.metadata.get(key).cloned();
@@ -125,7 +138,6 @@ impl Export<'_> {
             source_name: label.node_name(),
             path: path(&above, label.node_name()),
             other_names: [vec![label.id.clone()], above].concat(),
-            place: format!("nodes[{index}]"),
             class: Some(label.class.clone()),
             storey: object.drawn.storey.clone(),
             host: link("host_id"),
@@ -133,11 +145,12 @@ impl Export<'_> {
             opening: link("opening_id"),
             extras: label.metadata.clone(),
             inherited,
+            ..NewElement::default()
         }
     }
 
     /// One of an object's parts: a node without metadata below the object's own.
-    fn new_part(&self, index: usize, object: &Object<'_>, number: usize) -> NewElement {
+    fn new_part(&self, object: &Object<'_>, number: usize) -> NewElement {
         let (mut above, mut inherited) = self.heritage(object);
         above.insert(0, object.label.node_name());
         inherited.extend(handed_down(object));
@@ -152,7 +165,6 @@ impl Export<'_> {
             source_name,
             path,
             other_names: [vec![format!("{}_{number}", object.label.id)], above].concat(),
-            place: format!("nodes[{index}]"),
             class: Some(object.label.class.clone()),
             storey: object.drawn.storey.clone(),
             inherited,

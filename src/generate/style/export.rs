@@ -15,7 +15,7 @@ use super::floors;
 use super::identity::{Label, labels};
 use super::mesh::{Cut, Finish, Part};
 use super::place::{Move, Placement};
-use super::planes::{Plane, shift};
+use super::planes::shift;
 use super::rooms::RoomShift;
 use crate::importers::{Camera, Light, Material};
 
@@ -52,6 +52,11 @@ impl Object<'_> {
     /// Its mesh: one part, or one for each material.
     pub fn parts(&self, cut: Cut) -> Vec<Part<'_>> {
         self.finish.parts(&self.drawn, &self.points, cut)
+    }
+
+    /// How many parts that is.
+    pub fn part_count(&self) -> usize {
+        self.finish.part_count(&self.drawn)
     }
 
     /// What the node of its part `number` is called, as three.js calls them.
@@ -156,27 +161,20 @@ impl<'a> Exporter<'a, '_> {
     fn shift_ends(&self, index: u32, drawn: &Element, points: &mut [[f64; 3]], contacts: Option<&Contacts>) {
         let Some(contacts) = contacts else { return };
         let (building, style) = (self.building, self.style);
-        let steps: [(f64, &str, &dyn Fn() -> BTreeMap<Plane, f64>); 3] = [
-            (style.wall_ends, "wall-ends", &|| {
-                contacts.wall_ends(building, index, self.dice.draw("how far walls run", &drawn.global_id))
-            }),
-            (style.openings_protruding, "openings-protruding", &|| {
-                contacts.protruding(
-                    building,
-                    index,
-                    self.dice.draw("how far openings protrude", &drawn.global_id),
-                )
-            }),
-            (style.openings_shallow, "openings-shallow", &|| {
-                contacts.shallow(building, index, self.dice.draw("what openings lack", &drawn.global_id))
-            }),
-        ];
-        for (share, option, planes) in steps {
-            if self.hits(share, option, drawn) {
-                let planes = planes();
-                // What cannot follow stays as it was drawn.
-                let _ = shift(drawn, points, |plane| planes.get(plane).copied().unwrap_or(0.0));
-            }
+        let draw = |what: &str| self.dice.draw(what, &drawn.global_id);
+        let mut steps = Vec::new();
+        if self.hits(style.wall_ends, "wall-ends", drawn) {
+            steps.push(contacts.wall_ends(building, index, draw("how far walls run")));
+        }
+        if self.hits(style.openings_protruding, "openings-protruding", drawn) {
+            steps.push(contacts.protruding(building, index, draw("how far openings protrude")));
+        }
+        if self.hits(style.openings_shallow, "openings-shallow", drawn) {
+            steps.push(contacts.shallow(building, index, draw("what openings lack")));
+        }
+        for planes in steps {
+            // What cannot follow stays as it was drawn.
+            let _ = shift(drawn, points, |plane| planes.get(plane).copied().unwrap_or(0.0));
         }
     }
 
