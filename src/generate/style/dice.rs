@@ -81,9 +81,10 @@ mod tests {
 
     #[test]
     fn the_numbers_never_change() {
-        let mut random = Dice::new(0).draw("rooms-smaller", "0");
-        let drawn = [random.fraction(), random.between(2.0, 3.0)];
-        assert!(drawn[0] != drawn[1] && (2.0..=3.0).contains(&drawn[1]));
+        let mut random = Dice::new(1).draw("rooms-smaller", "2O2Fr$t4X7Zf8NOew3FLOH");
+        assert_eq!([random.next(), random.next()], [4_113_306_361_847_705_221, 17_628_473_440_703_471_844]);
+        assert!((0..100).all(|_| (2.0..=3.0).contains(&random.between(2.0, 3.0))));
         assert!((0..100).all(|_| random.below(3) < 3) && random.below(0) == 0);
+        assert!((0..100).all(|_| random.around(0.5).iter().all(|c| c.abs() <= 0.5)));
     }
 }

@@ -19,6 +19,9 @@ mod place;
 mod planes;
 mod rooms;
 
+#[cfg(test)]
+mod tests;
+
 pub use export::Export;
 pub(super) use export::Object;
 pub(super) use mesh::{Cut, Part};
