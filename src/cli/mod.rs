@@ -9,6 +9,7 @@ mod input;
 mod inspect;
 mod output;
 mod render;
+mod style;
 mod trace;
 mod verify;
 

@@ -34,7 +34,7 @@ pub fn mark_flush_details(elements: &mut [Element]) {
 }
 
 /// The plane of a face: its outward normal without common factor, and its height along it.
-fn plane(element: &Element, face: &Face) -> ([i64; 3], i64) {
+pub fn plane(element: &Element, face: &Face) -> ([i64; 3], i64) {
     let normal = element.normal(face);
     let common = normal.iter().fold(0, |a, c| gcd(a, c.unsigned_abs())).max(1) as i64;
     let normal = normal.map(|c| c / common);

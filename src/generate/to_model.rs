@@ -1,41 +1,54 @@
 //! A building as a [`Model`], without a file in between.
 
-use crate::importers::{Frame, ImportError, Model, ModelBuilder, NewElement};
+use std::collections::BTreeMap;
 
-use super::building::{Building, Element};
-use super::write_obj::y_up;
+use crate::importers::{Frame, ImportError, MaterialId, Model, ModelBuilder, NewElement};
+
+use super::building::Building;
+use super::style::{Cut, Export, Object, Part, Style};
+use super::write_glb::rounded;
 
 impl Building {
-    /// The model of the building: its elements, materials, lights and cameras in the order of
-    /// [`Building::to_glb`], all meanings set by the program, so that it needs no tagging.
+    /// The model of the building: [`Export::to_model`] in the style [`Style::exact`].
     ///
     /// # Errors
-    /// Over the builder's default limits.
+    /// As [`Export::to_model`].
+    pub fn to_model(&self) -> Result<Model, ImportError> {
+        self.export(&Style::exact()).to_model()
+    }
+}
+
+impl Export<'_> {
+    /// The model that [`Export::to_glb`] holds: its elements, materials, lights and cameras in the order of the
+    /// file's tree, coordinates rounded as there; but all meanings set by the program, so that it needs no tagging.
+    ///
+    /// # Errors
+    /// Over the builder's default limits, or nothing is left to make a model of.
     pub fn to_model(&self) -> Result<Model, ImportError> {
         let mut builder = ModelBuilder::new(format!("{}.glb", self.name), Frame::GLTF);
         let materials: Vec<_> = self.materials.iter().map(|m| builder.material(m.clone())).collect();
-        for (index, element) in self.elements.iter().enumerate() {
-            let new = builder.element(self.new_element(index, element))?;
-            builder.semantic(new, element.semantic);
-            // As in the file: material by material.
-            let mut faces: Vec<_> = element.faces.iter().collect();
-            faces.sort_by_key(|face| face.material);
-            for face in faces {
-                for triangle in element.triangles(face) {
-                    let corners = triangle.map(|i| y_up(element.points[i as usize]));
-                    builder.triangle(new, corners, materials[face.material as usize])?;
-                }
+        let mut below: Vec<Vec<usize>> = vec![Vec::new(); self.objects.len()];
+        for (index, object) in self.objects.iter().enumerate() {
+            if let Some(above) = object.above {
+                below[above].push(index);
             }
         }
+        let nodes = self.nodes();
+        for index in (0..self.objects.len()).filter(|&index| self.objects[index].above.is_none()) {
+            for &index in [index].iter().chain(&below[index]) {
+                self.add(&mut builder, &materials, &self.objects[index], nodes[index])?;
+            }
+        }
+        let metres = |p| self.placement.in_metres(self.placement.local(p));
         for light in &self.lights {
             let mut light = light.clone();
-            light.position = Frame::GLTF.point_to_source(light.position);
+            light.position = metres(light.position);
             light.direction = Frame::GLTF.direction_to_source(light.direction);
             builder.light(light);
         }
         for camera in &self.cameras {
             let mut camera = camera.clone();
-            camera.eye = Frame::GLTF.point_to_source(camera.eye);
+            camera.eye = metres(camera.eye);
             camera.direction = Frame::GLTF.direction_to_source(camera.direction);
             camera.up = Frame::GLTF.direction_to_source(camera.up);
             builder.camera(camera);
@@ -43,22 +56,130 @@ impl Building {
         builder.finish()
     }
 
-    fn new_element(&self, index: usize, element: &Element) -> NewElement {
-        let id_of = |link: Option<u32>| Some(self.elements.get(link? as usize)?.global_id.clone());
+    /// The number of the node that each object's mesh is in, or that of its first part: parts come after all objects.
+    fn nodes(&self) -> Vec<usize> {
+        let mut next = self.objects.len();
+        let node = |(index, object): (usize, &Object<'_>)| match object.part_count() {
+            1 => index,
+            count => {
+                next += count;
+                next - count
+            }
+        };
+        self.objects.iter().enumerate().map(node).collect()
+    }
+
+    fn add(
+        &self,
+        builder: &mut ModelBuilder,
+        materials: &[MaterialId],
+        object: &Object<'_>,
+        node: usize,
+    ) -> Result<(), ImportError> {
+        let parts = object.parts(Cut::Triangles);
+        let is_split = parts.len() > 1;
+        for (number, part) in (1..).zip(&parts) {
+            let mut new = if is_split { self.new_part(object, number) } else { self.new_element(object) };
+            new.place = format!("nodes[{}]", node + number - 1);
+            let new = builder.element(new)?;
+            builder.semantic(new, object.drawn.semantic);
+            self.add_mesh(part, |corners, material| {
+                builder.triangle(new, corners, materials[material as usize])
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Hands on a mesh's triangles, material by material.
+    fn add_mesh(
+        &self,
+        part: &Part<'_>,
+        mut add: impl FnMut([[f64; 3]; 3], u32) -> Result<(), ImportError>,
+    ) -> Result<(), ImportError> {
+        let at =
+            |p: [f64; 3]| self.placement.in_metres(self.placement.local(p).map(|c| f64::from(rounded(c))));
+        let points: Vec<[f64; 3]> = part.points.iter().map(|&p| at(p)).collect();
+        for (material, rings) in &part.faces {
+            for ring in rings.iter() {
+                // Faces were cut into triangles.
+                if let &[a, b, c] = ring {
+                    add([a, b, c].map(|i| points[i as usize]), *material)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The names of the nodes over an object, from the innermost to the outermost, and what it inherits.
+    fn heritage(&self, object: &Object<'_>) -> (Vec<String>, BTreeMap<String, String>) {
+        let mut names = Vec::new();
+        let mut inherited = BTreeMap::new();
+        let mut next = object.above;
+        while let Some(above) = next.and_then(|above| self.objects.get(above)) {
+            names.push(above.label.node_name());
+            for (key, value) in handed_down(above) {
+                inherited.entry(key).or_insert(value);
+            }
+            next = above.above;
+        }
+        if !self.placement.is_plain() {
+            names.push(self.name.to_owned());
+        }
+        (names, inherited)
+    }
+
+    fn new_element(&self, object: &Object<'_>) -> NewElement {
+        let label = &object.label;
+        let (above, inherited) = self.heritage(object);
+        let link = |key: &str| label.metadata.get(key).cloned();
         NewElement {
-            id: element.global_id.clone(),
-            name: element.name.clone(),
-            source_name: element.tagged_name(),
-            other_names: vec![element.global_id.clone()],
-            path: element.tagged_name(),
-            place: format!("nodes[{index}]"),
-            class: Some(element.class.clone()),
-            storey: element.storey.clone(),
-            host: id_of(element.host),
-            filling: id_of(element.filling),
-            opening: id_of(element.opening),
-            extras: self.metadata(element),
+            id: label.id.clone(),
+            name: if label.name.is_empty() { label.id.clone() } else { label.name.clone() },
+            source_name: label.node_name(),
+            path: path(&above, label.node_name()),
+            other_names: [vec![label.id.clone()], above].concat(),
+            class: Some(label.class.clone()),
+            storey: object.drawn.storey.clone(),
+            host: link("host_id"),
+            filling: link("filling_id"),
+            opening: link("opening_id"),
+            extras: label.metadata.clone(),
+            inherited,
             ..NewElement::default()
         }
     }
+
+    /// One of an object's parts: a node without metadata below the object's own.
+    fn new_part(&self, object: &Object<'_>, number: usize) -> NewElement {
+        let (mut above, mut inherited) = self.heritage(object);
+        above.insert(0, object.label.node_name());
+        inherited.extend(handed_down(object));
+        let source_name = object.part_name(number);
+        let path = path(&above, source_name.clone());
+        NewElement {
+            id: path.clone(),
+            name: format!(
+                "{}_{number}",
+                object.label.node_name().split_once(':').map_or("", |(_, name)| name)
+            ),
+            source_name,
+            path,
+            other_names: [vec![format!("{}_{number}", object.label.id)], above].concat(),
+            class: Some(object.label.class.clone()),
+            storey: object.drawn.storey.clone(),
+            inherited,
+            ..NewElement::default()
+        }
+    }
+}
+
+/// What the nodes below an object inherit of its metadata: all but what is its own.
+fn handed_down(object: &Object<'_>) -> impl Iterator<Item = (String, String)> {
+    let all = object.label.metadata.iter();
+    all.filter(|(key, _)| !matches!(key.as_str(), "global_id" | "name")).map(|(k, v)| (k.clone(), v.clone()))
+}
+
+/// Names from the outermost node down to the element's own.
+fn path(above: &[String], own: String) -> String {
+    above.iter().rev().cloned().chain([own]).collect::<Vec<_>>().join("/")
 }

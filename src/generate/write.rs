@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::building::Building;
+use super::style::{Export, Style};
 use crate::format::write_atomically;
 
 /// A building could not be written.
@@ -26,21 +27,24 @@ pub enum WriteError {
     },
 }
 
-/// Writes a building as the name's end says: `.glb`, or `.obj` with its `.mtl` beside it. A file of that name is
-/// replaced, at once: whoever reads sees the old bytes or the new ones.
+/// Writes a building as it is: [`Export::write`] in the style [`Style::exact`].
 ///
 /// # Errors
-/// Another ending, or the system refuses. Then no file of that name has changed, but with `.obj` the `.mtl` may
-/// have.
+/// As [`Export::write`].
 pub fn write(building: &Building, path: &Path) -> Result<(), WriteError> {
+    building.export(&Style::exact()).write(path)
+}
+
+/// Writes as the name's end says.
+pub fn write_export(export: &Export<'_>, path: &Path) -> Result<(), WriteError> {
     let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match ending.as_deref() {
-        Some("glb") => replace(path, &building.to_glb()),
+        Some("glb") => replace(path, &export.to_glb()),
         Some("obj") => {
             let mtl_path = path.with_extension("mtl");
             let name = mtl_path.file_name().and_then(|n| n.to_str()).filter(|n| is_plain(n));
             let name = name.ok_or_else(|| WriteError::Name(path.to_owned()))?;
-            let (obj, mtl) = building.to_obj(name);
+            let (obj, mtl) = export.to_obj(name);
             replace(&mtl_path, mtl.as_bytes())?;
             replace(path, obj.as_bytes())
         }

@@ -6,21 +6,40 @@ use serde::Serialize;
 
 use crate::importers::{Camera, Frame, Light};
 
-use super::building::{Building, Element};
-use super::write_obj::y_up;
+use super::building::Building;
+use super::style::{Cut, Export, Object, Part, Placement, Style};
 
 impl Building {
+    /// The bytes of a `.glb` file: [`Export::to_glb`] in the style [`Style::exact`].
+    pub fn to_glb(&self) -> Vec<u8> {
+        self.export(&Style::exact()).to_glb()
+    }
+}
+
+impl Export<'_> {
     /// The bytes of a `.glb` file.
     ///
     /// Nodes are called `IfcClass:Name`; their extras hold `ifc_class`, `global_id`, `name`, `storey`, and for
-    /// openings, doors and windows `host_id`, `filling_id`, `opening_id`. Lights are KHR_lights_punctual.
+    /// openings, doors and windows `host_id`, `filling_id`, `opening_id`. Lights are KHR_lights_punctual. A style with
+    /// another place or unit has one root node, named after the building, whose matrix says so.
     pub fn to_glb(&self) -> Vec<u8> {
         let mut buffers = Buffers::default();
-        let meshes: Vec<MeshJson> = self.elements.iter().map(|e| buffers.mesh(e)).collect();
-        let mut nodes: Vec<NodeJson> =
-            self.elements.iter().enumerate().map(|(i, e)| element_node(self, i, e)).collect();
-        nodes.extend(self.lights.iter().enumerate().map(|(i, light)| light_node(i, light)));
-        nodes.extend(self.cameras.iter().enumerate().map(|(i, camera)| camera_node(i, camera)));
+        let (mut nodes, meshes) = self.element_nodes(&mut buffers);
+        let place = &self.placement;
+        nodes.extend(self.lights.iter().enumerate().map(|(i, light)| light_node(i, light, place)));
+        nodes.extend(self.cameras.iter().enumerate().map(|(i, camera)| camera_node(i, camera, place)));
+        let mut is_below = vec![false; nodes.len()];
+        nodes.iter().flat_map(|node| &node.children).for_each(|&child| is_below[child] = true);
+        let mut shown: Vec<usize> = (0..nodes.len()).filter(|&node| !is_below[node]).collect();
+        if !place.is_plain() {
+            nodes.push(NodeJson {
+                name: self.name.to_owned(),
+                matrix: Some(place.matrix()),
+                children: shown,
+                ..NodeJson::default()
+            });
+            shown = vec![nodes.len() - 1];
+        }
         let (positions, indices) = (buffers.positions.len(), buffers.indices.len());
         let view = |byte_offset, byte_length, byte_stride, target| ViewJson {
             buffer: 0,
@@ -36,7 +55,7 @@ impl Building {
                 lights: LightList { lights: self.lights.iter().map(light_json).collect() },
             },
             scene: 0,
-            scenes: [SceneJson { name: self.name.clone(), nodes: (0..nodes.len()).collect() }],
+            scenes: [SceneJson { name: self.name.to_owned(), nodes: shown }],
             nodes,
             cameras: self.cameras.iter().map(camera_json).collect(),
             meshes,
@@ -54,6 +73,39 @@ impl Building {
         binary.extend(buffers.indices);
         container(json, binary)
     }
+
+    /// The nodes of the objects in their order, then those of their parts, if they have several; and the meshes.
+    fn element_nodes(&self, buffers: &mut Buffers) -> (Vec<NodeJson>, Vec<MeshJson>) {
+        let mut nodes: Vec<NodeJson> = self.objects.iter().map(object_node).collect();
+        let mut meshes = Vec::with_capacity(nodes.len());
+        for (index, object) in self.objects.iter().enumerate() {
+            if let Some(above) = object.above {
+                nodes[above].children.push(index);
+            }
+            let parts = object.parts(Cut::Triangles);
+            let is_split = parts.len() > 1;
+            for (number, part) in (1..).zip(&parts) {
+                let mesh = Some(meshes.len());
+                let mut name = object.label.id.clone();
+                if is_split {
+                    name = format!("{name}_{number}");
+                    let child = nodes.len();
+                    nodes[index].children.push(child);
+                    nodes.push(NodeJson { name: object.part_name(number), mesh, ..NodeJson::default() });
+                } else {
+                    nodes[index].mesh = mesh;
+                }
+                meshes.push(buffers.mesh(name, part, &self.placement));
+            }
+        }
+        (nodes, meshes)
+    }
+}
+
+/// A coordinate as the file has it: exact for those on the grid, which have no more than 24 bits up to 16 km.
+pub(super) fn rounded(c: f64) -> f32 {
+    // No negative zero.
+    c as f32 + 0.0
 }
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -88,11 +140,11 @@ struct Buffers {
 }
 
 impl Buffers {
-    /// All primitives of an element share its corners.
-    fn mesh(&mut self, element: &Element) -> MeshJson {
-        let points: Vec<[f64; 3]> = element.points.iter().map(|&p| y_up(p)).collect();
-        let bound = |pick: fn(f64, f64) -> f64| {
-            [0, 1, 2].map(|axis| points.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0))
+    /// All primitives of a mesh share its corners.
+    fn mesh(&mut self, name: String, part: &Part<'_>, place: &Placement) -> MeshJson {
+        let points: Vec<[f32; 3]> = part.points.iter().map(|&p| place.local(p).map(rounded)).collect();
+        let bound = |pick: fn(f32, f32) -> f32| {
+            [0, 1, 2].map(|axis| f64::from(points.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0)))
         };
         let position = self.accessor(AccessorJson {
             buffer_view: 0,
@@ -100,26 +152,21 @@ impl Buffers {
             component_type: FLOAT,
             count: points.len(),
             kind: "VEC3",
-            min: Some(bound(f64::min)),
-            max: Some(bound(f64::max)),
+            min: Some(bound(f32::min)),
+            max: Some(bound(f32::max)),
         });
-        // Exact: grid coordinates of up to 16 km have no more than 24 bits.
-        self.positions.extend(points.iter().flatten().flat_map(|&c| (c as f32).to_le_bytes()));
-        let mut by_material: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for face in &element.faces {
-            let corners = element.triangles(face).into_iter().flatten();
-            by_material.entry(face.material).or_default().extend(corners);
-        }
-        let primitives = by_material
-            .into_iter()
-            .map(|(material, corners)| PrimitiveJson {
+        self.positions.extend(points.iter().flatten().flat_map(|c| c.to_le_bytes()));
+        let primitives = part
+            .faces
+            .iter()
+            .map(|(material, rings)| PrimitiveJson {
                 attributes: AttributesJson { position },
-                indices: self.corners(&corners, points.len()),
-                material,
+                indices: self.corners(rings.corners(), points.len()),
+                material: *material,
                 mode: 4,
             })
             .collect();
-        MeshJson { name: element.global_id.clone(), primitives }
+        MeshJson { name, primitives }
     }
 
     fn corners(&mut self, corners: &[u32], points: usize) -> usize {
@@ -149,23 +196,23 @@ impl Buffers {
     }
 }
 
-fn element_node(building: &Building, index: usize, element: &Element) -> NodeJson {
-    let extras = building.metadata(element);
-    NodeJson { name: element.tagged_name(), mesh: Some(index), extras, ..NodeJson::default() }
+fn object_node(object: &Object<'_>) -> NodeJson {
+    let extras = object.label.metadata.clone();
+    NodeJson { name: object.label.node_name(), extras, ..NodeJson::default() }
 }
 
-fn light_node(index: usize, light: &Light) -> NodeJson {
+fn light_node(index: usize, light: &Light, place: &Placement) -> NodeJson {
     NodeJson {
         name: light.name.clone(),
-        translation: Some(Frame::GLTF.point_to_source(light.position).map(|c| c + 0.0)),
+        translation: Some(place.local(light.position)),
         extensions: Some(LightsExtension { lights: LightLink { light: index } }),
         ..NodeJson::default()
     }
 }
 
 /// A glTF camera looks along its node's -z, with y up.
-fn camera_node(index: usize, camera: &Camera) -> NodeJson {
-    let eye = Frame::GLTF.point_to_source(camera.eye);
+fn camera_node(index: usize, camera: &Camera, place: &Placement) -> NodeJson {
+    let eye = place.local(camera.eye);
     let back = Frame::GLTF.direction_to_source(camera.direction).map(|c| -c);
     let up = Frame::GLTF.direction_to_source(camera.up);
     let right = [
@@ -270,6 +317,8 @@ struct NodeJson {
     name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    children: Vec<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]

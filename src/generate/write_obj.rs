@@ -4,48 +4,68 @@ use std::fmt::Write;
 
 use crate::importers::Material;
 
-use super::building::{Building, Element};
-use super::lattice::{Point, point_metres};
+use super::building::Building;
+use super::style::{Cut, Export, Object, Part, Placement, Style};
 
 impl Building {
+    /// The texts of an OBJ file and of its material library, whose name is `mtl_name`: [`Export::to_obj`] in the style
+    /// [`Style::exact`].
+    pub fn to_obj(&self, mtl_name: &str) -> (String, String) {
+        self.export(&Style::exact()).to_obj(mtl_name)
+    }
+}
+
+impl Export<'_> {
     /// The texts of an OBJ file and of its material library, whose name is `mtl_name`.
     ///
     /// Objects are called `IfcClass:Name#global_id`. Faces without holes are one polygon, which may be concave;
     /// others are cut into convex polygons.
     pub fn to_obj(&self, mtl_name: &str) -> (String, String) {
-        let mut obj = format!("# {}, metres, Y up\nmtllib {mtl_name}\n", self.name);
+        let unit = self.placement.unit().plural();
+        let mut obj = format!("# {}, {unit}, Y up\nmtllib {mtl_name}\n", self.name);
         let mut before = 0;
-        for element in &self.elements {
-            object(&mut obj, self, element, before);
-            before += element.points.len();
+        for object in &self.objects {
+            let parts = object.parts(Cut::Polygons);
+            let is_split = parts.len() > 1;
+            for (number, part) in (1..).zip(&parts) {
+                let name = name(object, is_split.then_some(number));
+                write_part(&mut obj, &name, part, &self.placement, self.materials, before);
+                before += part.points.len();
+            }
         }
-        (obj, library(&self.materials))
+        (obj, library(self.materials))
     }
 }
 
-/// Grid coordinates in glTF's and OBJ's axes, metres.
-pub(super) fn y_up(p: Point) -> [f64; 3] {
-    // Negated as an integer: no negative zero.
-    let [x, y, z] = p;
-    point_metres([x, z, -y])
+/// What an object is called. A part of one has a number, and no identity.
+fn name(object: &Object<'_>, number: Option<usize>) -> String {
+    let name = object.label.object_name();
+    match number {
+        Some(number) => format!("{name}_{number}"),
+        None => format!("{name}#{}", object.label.id),
+    }
 }
 
-/// An element's points and faces; `before`: how many points the objects before it have.
-fn object(obj: &mut String, building: &Building, element: &Element, before: usize) {
+/// A mesh's points and faces; `before`: how many points the objects before it have.
+fn write_part(
+    obj: &mut String,
+    name: &str,
+    part: &Part<'_>,
+    placement: &Placement,
+    materials: &[Material],
+    before: usize,
+) {
     // Writing into a string cannot fail.
-    let _ = writeln!(obj, "o {}#{}", element.tagged_name(), element.global_id);
-    for &p in &element.points {
-        let [x, y, z] = y_up(p);
+    let _ = writeln!(obj, "o {name}");
+    for &p in part.points.iter() {
+        let [x, y, z] = placement.global(p);
         let _ = writeln!(obj, "v {x} {y} {z}");
     }
-    for (index, material) in building.materials.iter().enumerate() {
-        let mut faces = element.faces.iter().filter(|f| f.material == index as u32).peekable();
-        if faces.peek().is_some() {
-            let _ = writeln!(obj, "usemtl {}", word(&material.name));
-        }
-        for polygon in faces.flat_map(|face| element.polygons(face)) {
+    for (material, rings) in &part.faces {
+        let _ = writeln!(obj, "usemtl {}", word(&materials[*material as usize].name));
+        for ring in rings.iter() {
             obj.push('f');
-            for corner in polygon {
+            for &corner in ring {
                 let _ = write!(obj, " {}", before + corner as usize + 1);
             }
             obj.push('\n');
