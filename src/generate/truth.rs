@@ -4,6 +4,7 @@
 //! furniture and door leaves, do not count: they stand in the air that is described here.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -15,14 +16,18 @@ use super::outline::crosses_rightward;
 use super::patches::Facing;
 use super::plan::{Plan, Top};
 use super::sides::Sides;
+use super::style::Style;
+use super::write::{WriteError, replace};
 
-/// What is true of a [`Building`]. Metres, Z up, in the frame that it was drawn in.
+/// What is true of a [`Building`]. Metres, Z up.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Truth {
     /// The building's name.
     pub name: String,
-    /// Lower and upper corner of the box that the volumes fill.
+    /// Where the building as it was drawn stands in the file: takes (x, y, z, 1) to metres, Z up, row by row.
+    pub place: [[f64; 4]; 3],
+    /// Lower and upper corner of the box that the volumes fill, as it was drawn.
     pub hull: [[f64; 3]; 2],
     /// Volume of the hull: that of all volumes together.
     pub volume: f64,
@@ -32,7 +37,7 @@ pub struct Truth {
     pub openings: Vec<OpeningTruth>,
     /// The air outside.
     pub exterior: AirTruth,
-    /// Points, none of them on a surface, and what holds them.
+    /// Points in the place of the file, none of them on a surface, and what holds them.
     pub points: Vec<PointTruth>,
 }
 
@@ -102,7 +107,7 @@ pub struct PointTruth {
 }
 
 /// Points anywhere in the hull, and in each room.
-const POINTS: usize = 2000;
+const POINTS: usize = 500;
 const POINTS_IN_ROOM: usize = 3;
 
 impl Building {
@@ -133,6 +138,7 @@ impl Building {
         let size = [0, 1, 2].map(|i| f64::from(self.hull[1][i]) - f64::from(self.hull[0][i]));
         Truth {
             name: self.name.clone(),
+            place: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
             hull: self.hull.map(|corner| corner.map(metres)),
             volume: size.iter().product::<f64>() * metres(1).powi(3),
             rooms: rooms.collect(),
@@ -174,7 +180,7 @@ impl Building {
     }
 
     fn points(&self) -> Vec<PointTruth> {
-        let mut random = Random(XX_OF_POINTS);
+        let mut random = Random(SEED_OF_POINTS);
         let mut found = Vec::new();
         let mut add = |doubled: [i64; 3], label: u32| {
             let point = doubled.map(|c| c as f64 / (2.0 * f64::from(PER_METRE)));
@@ -198,6 +204,40 @@ impl Building {
             inside.take(POINTS_IN_ROOM).for_each(|point| add(point, index as u32));
         }
         found
+    }
+}
+
+impl Truth {
+    /// The same truth, of a file written in this style: [`Truth::place`] and [`Truth::points`] follow it. What a style
+    /// does to single elements is not part of the truth.
+    pub fn styled(mut self, style: &Style) -> Truth {
+        let moved = |p: [f64; 3]| style.place(p);
+        let origin = moved([0.0; 3]);
+        for (axis, unit) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().enumerate() {
+            let end = style.direction(unit);
+            for row in 0..3 {
+                self.place[row][axis] = end[row];
+            }
+        }
+        for row in 0..3 {
+            self.place[row][3] = origin[row];
+        }
+        self.points.iter_mut().for_each(|p| p.point = moved(p.point));
+        self
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        // Numbers and texts only: there is nothing that could not be written.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// Writes it beside a model: `NAME.truth.json` for `NAME.glb`. A file of that name is replaced at once.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`].
+    pub fn write(&self, model: &Path) -> Result<(), WriteError> {
+        replace(&model.with_extension("truth.json"), self.to_json().as_bytes())
     }
 }
 
@@ -313,7 +353,7 @@ impl Finder<'_> {
     }
 }
 
-const XX_OF_POINTS: u64 = 0x7275_7468;
+const SEED_OF_POINTS: u64 = 0x7275_7468;
 
 /// SplitMix64.
 struct Random(u64);

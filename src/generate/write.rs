@@ -57,7 +57,7 @@ fn is_plain(name: &str) -> bool {
     name.trim() == name && !name.contains(['\n', '\r', '#', '\\'])
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |file| file.write_all(bytes))
         .map_err(|source| WriteError::Io { path: path.to_owned(), source })
 }

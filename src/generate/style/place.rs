@@ -73,6 +73,19 @@ impl Move {
     }
 }
 
+impl Style {
+    /// Where a point of the building as it was drawn lies in a file of this style: metres, Z up.
+    pub(in super::super) fn place(&self, point: [f64; 3]) -> [f64; 3] {
+        let (moved, origin) = (Move::of(self).point(point), Placement::of(self).origin);
+        [0, 1, 2].map(|i| moved[i] + origin[i])
+    }
+
+    /// Where a direction of the building as it was drawn points.
+    pub(in super::super) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+        Move::of(self).direction(direction)
+    }
+}
+
 /// From coordinates in metres, Z up, to those of a file and its root node, Y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
