@@ -20,7 +20,7 @@ pub enum Thing {
     WorkDesk { w: u16, d: u16, is_dark: bool },
     Divider { w: u16 },
     Pedestal,
-    SwivelChair { is_red: bool },
+    SwivelChair { is_red: bool, has_cross: bool },
     VisitorChair { is_red: bool },
     WoodenChair,
     ConferenceTable { w: u16, d: u16 },
@@ -142,6 +142,12 @@ impl Catalogue {
     pub fn item(&mut self, thing: Thing) -> Arc<Item> {
         Arc::clone(self.items.entry(thing).or_insert_with(|| Arc::new(draw(thing))))
     }
+
+    /// All things drawn so far.
+    #[cfg(test)]
+    pub fn drawn(&self) -> impl Iterator<Item = (Thing, &Item)> {
+        self.items.iter().map(|(thing, item)| (*thing, &**item))
+    }
 }
 
 fn draw(thing: Thing) -> Item {
@@ -187,7 +193,9 @@ fn make(thing: Thing) -> (&'static str, Class, Piece) {
         T::WorkDesk { w, d, is_dark } => ("Desk", Furniture, piece::work_desk(m(w), m(d), wood(is_dark))),
         T::Divider { w } => ("Divider", Furniture, piece::divider(m(w))),
         T::Pedestal => ("Pedestal", Furniture, piece::pedestal()),
-        T::SwivelChair { is_red } => ("Office chair", Furniture, piece::swivel_chair(fabric(is_red))),
+        T::SwivelChair { is_red, has_cross } => {
+            ("Office chair", Furniture, piece::swivel_chair(fabric(is_red), has_cross))
+        }
         T::VisitorChair { is_red } => ("Chair", Furniture, piece::visitor_chair(fabric(is_red))),
         T::WoodenChair => ("Chair", Furniture, house::chair(BEECH)),
         T::ConferenceTable { w, d } => ("Conference table", Furniture, piece::conference_table(m(w), m(d))),

@@ -6,11 +6,15 @@ use std::sync::Arc;
 use crate::generate::lattice::{Cuboid, Placement, units};
 
 use super::catalogue::{Catalogue, Item, Thing};
-use super::group::{Group, Part, within};
+use super::group::{Group, Part, corner_at, within};
 use super::random::Random;
 use super::region::{FAR, Region, Wall};
+use super::spacing::Spacing;
 use super::walkway::Walkway;
 use super::{HEADROOM, MOST_RECTS, Placed, Rect2, Room};
+
+/// Width of the way to a thing, metres.
+const NARROW: f64 = 0.5;
 
 /// No room gets more things.
 const MOST_THINGS: usize = 1500;
@@ -86,6 +90,8 @@ pub struct Fitting<'a> {
     area: i64,
     floor: i32,
     ceiling: i32,
+    /// The way between doors, if that is wider than the ways to things.
+    thoroughfare: Option<Walkway>,
     walkway: Walkway,
     window_fronts: Vec<(Rect2, i32)>,
     stands: Vec<Stand>,
@@ -106,7 +112,10 @@ impl<'a> Fitting<'a> {
         if area == 0 || ceiling <= floor {
             return None;
         }
-        let walkway = Walkway::new(&region, units(room.use_.walkway()), room.keep_clear);
+        let way = |width: f64| Walkway::new(&region, units(width), room.keep_clear);
+        let wide = room.use_.walkway();
+        let thoroughfare = (wide > NARROW).then(|| way(wide));
+        let walkway = way(NARROW);
         Some(Fitting {
             room,
             random: Random::new(room.seed),
@@ -116,6 +125,7 @@ impl<'a> Fitting<'a> {
             area,
             floor,
             ceiling: ceiling - units(HEADROOM),
+            thoroughfare,
             walkway,
             window_fronts: room.windows.iter().map(|w| (w.front(), w.sill)).collect(),
             stands: Vec::new(),
@@ -188,7 +198,9 @@ impl<'a> Fitting<'a> {
             .filter(|(stand, part)| !stand.is_hung && !part.is_movable)
             .map(|(stand, _)| Rect2::under(&stand.bounds))
             .collect();
-        if !self.walkway.take(&in_the_way, &used) {
+        let Some(taken) = self.walkway.take(&in_the_way, &used) else { return false };
+        if self.thoroughfare.as_mut().is_some_and(|way| way.take(&in_the_way, &[]).is_none()) {
+            self.walkway.give_back(taken);
             return false;
         }
         self.used.extend(used);
@@ -380,16 +392,19 @@ impl<'a> Fitting<'a> {
             let steps = [4, 3, 5, 2, 6, 1, 7, 0, 8];
             steps.iter().flat_map(|&i| steps.map(|j| (i, j))).any(|(i, j)| {
                 let lo = [rect.lo[0] + room[0] / 8 * i, rect.lo[1] + room[1] / 8 * j];
-                self.put(group, &super::group::corner_at(group.size, lo, turns))
+                self.put(group, &corner_at(group.size, lo, turns))
             })
         })
     }
 
-    /// Puts groups in rows and columns into the largest free part of the floor, `gap` apart along u and v and `margin`
-    /// off its edges, until `enough`; how many stand.
-    pub fn rows(&mut self, group: &Group, turns: &[u8], gap: [i32; 2], margin: i32, enough: u32) -> u32 {
+    /// Puts groups in rows and columns into the largest free part of the floor, at least `gap` apart along u and v and
+    /// `margin` off its edges, until there are `enough`; how many stand. The first of some turns with which some fit.
+    pub fn rows(&mut self, group: &Group, turns: &[u8], spacing: &Spacing, enough: u32) -> u32 {
         let free = self.free();
-        let (mut count, mut tried) = (0, 0);
+        let Spacing { gap, margin, .. } = *spacing;
+        if enough == 0 {
+            return 0;
+        }
         for &turns in turns {
             let size = group.turned_size(turns);
             let gap = if turns.is_multiple_of(2) { gap } else { [gap[1], gap[0]] };
@@ -397,29 +412,16 @@ impl<'a> Fitting<'a> {
             let Some(rect) = free.largest(|s| s[0] >= least[0] && s[1] >= least[1]) else { continue };
             let rect = rect.grown(-margin);
             let fit = [0, 1].map(|i| (rect.size()[i] + gap[i]) / (size[i] + gap[i]));
-            // What is left over is shared out between the rows, and before and after them.
-            let at = |axis: usize, i: i32| {
-                let left = rect.size()[axis] - fit[axis] * size[axis];
-                let share = if fit[axis] == 1 { left / 2 } else { left / (fit[axis] - 1).max(1) };
-                let share = share.min(gap[axis] * 3 / 2).max(0);
-                let before = (left - share * (fit[axis] - 1)) / 2;
-                rect.lo[axis] + before + i * (size[axis] + share)
-            };
-            'all: for j in 0..fit[1] {
-                for i in 0..fit[0] {
-                    tried += 1;
-                    if count >= enough || tried > MOST_THINGS {
-                        break 'all;
-                    }
-                    let place = super::group::corner_at(group.size, [at(0, i), at(1, j)], turns);
-                    count += u32::from(self.put(group, &place));
-                }
+            let mut count = 0;
+            for [x, y] in spacing.places(&rect, size, gap, fit, turns, enough) {
+                let place = corner_at(group.size, [x, y], turns);
+                count += u32::from(count < enough && self.put(group, &place));
             }
             if count > 0 {
-                break;
+                return count;
             }
         }
-        count
+        0
     }
 
     /// Adds small things until the room shows as many faces as it should, or no more fit.

@@ -61,7 +61,8 @@ pub fn kitchen(f: &mut Fitting) {
     let chair = f.item(Thing::WoodenChair);
     for (w, per_side) in [(140, 2), (80, 1)] {
         let table = f.item(Thing::Table { w, d: 80, h: 75 });
-        if f.in_the_middle(&table_with_chairs(&table, &chair, [per_side, 0], units(0.6)), &[0, 1]) {
+        let group = table_with_chairs(&table, &chair, [per_side, 0], units(0.6));
+        if group.faces() <= f.budget() && f.in_the_middle(&group, &[0, 1]) {
             break;
         }
     }

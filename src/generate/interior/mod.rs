@@ -25,6 +25,7 @@ mod public;
 mod random;
 mod region;
 mod service;
+mod spacing;
 mod uses;
 mod walkway;
 mod work;

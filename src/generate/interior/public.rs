@@ -6,6 +6,7 @@ use super::Rect2;
 use super::catalogue::Thing;
 use super::fitting::{Filler, Fitting, Wish};
 use super::group::{Group, table_with_chairs};
+use super::spacing::Spacing;
 
 /// Along a way: anywhere on its walls.
 const ALONG: Wish = Wish { corner: 0, window: 0, door: 0, middle: 0, facing: None, chance: 20 };
@@ -42,7 +43,7 @@ pub fn hall(f: &mut Fitting) {
     let pattern = f.random.below(64) as u8;
     if area >= 20 {
         let desk = f.item(Thing::Reception { w: if area >= 45 { 320 } else { 200 } });
-        let chair = f.item(Thing::SwivelChair { is_red: false });
+        let chair = f.item(Thing::SwivelChair { is_red: false, has_cross: true });
         let [w, d] = desk.size;
         let seat = units(1.0);
         // Whoever works there has the wall behind.
@@ -122,9 +123,8 @@ pub fn lounge(f: &mut Fitting) {
     let table = f.item(Thing::SideTable { w: 80, h: 74 });
     let chair = f.item(Thing::VisitorChair { is_red: pattern % 2 == 0 });
     let group = table_with_chairs(&table, &chair, [1, 0], units(0.65));
-    let group = Group { size: group.size, ..group };
     let left = f.budget().saturating_sub(60) / group.faces().max(1);
-    f.rows(&group, &[0, 1], [units(0.4), units(0.3)], units(0.2), left);
+    f.rows(&group, &[0, 1], &Spacing::spread([units(0.4), units(0.3)], units(0.2)), left);
     f.fill(&[
         Filler::new(Thing::LargePlant, 0, Wish::CORNER, 2),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
@@ -155,12 +155,12 @@ pub fn library(f: &mut Fitting) {
         f.against_wall(&inset, &light);
     }
     let enough = f.target() * 3 / 5;
+    let turns = if f.random.flip() { [0, 1] } else { [1, 0] };
     for count in [5, 4, 3, 2, 1] {
         let case = f.item(Thing::Bookcase { w: 100, pattern: (pattern + count as u8) % 8 });
         let group = Group::double_row(&case, count, units(0.6));
         let left = enough.saturating_sub(f.faces()) / group.faces().max(1);
-        let turns = if f.random.flip() { [0, 1] } else { [1, 0] };
-        f.rows(&group, &turns, [units(0.9), units(0.9)], units(0.85), left);
+        f.rows(&group, &turns, &Spacing::spread([units(0.9), units(0.9)], units(0.85)), left);
     }
     f.fill(&[
         Filler::new(Thing::Bookcase { w: 100, pattern: pattern % 8 }, 60, Wish::STORAGE, 3),

@@ -6,6 +6,7 @@ use super::Rect2;
 use super::catalogue::Thing;
 use super::fitting::{Filler, Fitting, Wish};
 use super::group::{Group, table_with_chairs};
+use super::spacing::Spacing;
 
 /// From the wall to the front of a cubicle, centimetres.
 const CUBICLE: u16 = 150;
@@ -54,7 +55,7 @@ pub fn toilet(f: &mut Fitting) {
         'cubicles: for count in (1..=most).rev() {
             for is_right in f.random.shuffled([false, true]) {
                 let group = cubicles(f, count, is_right);
-                if group.faces() < f.budget() + 10 && f.in_corner(&group, is_right, &away) {
+                if group.faces() + 20 < f.budget() && f.in_corner(&group, is_right, &away) {
                     stand = count as u32;
                     break 'cubicles;
                 }
@@ -75,7 +76,8 @@ pub fn toilet(f: &mut Fitting) {
         let mirror = f.item(Thing::Mirror { w: if stand == 0 { 50 } else { 70 * u16::from(count) } });
         let mut group = Group::alone(&basin, units(0.55));
         group.put(&mirror, [(basin.size[0] - mirror.size[0]) / 2, 0], 0);
-        if f.against_wall(&group, &at_door) {
+        let is_enough = count == 1 || group.faces() < f.budget();
+        if is_enough && f.against_wall(&group, &at_door) {
             break;
         }
     }
@@ -96,7 +98,7 @@ pub fn storage(f: &mut Fitting) {
         let rack = f.item(Thing::Rack { w: 120, pattern: pattern % 15 });
         let group = Group::double_row(&rack, count, units(0.6));
         let left = enough.saturating_sub(f.faces()) / group.faces().max(1);
-        f.rows(&group, &[0, 1], [units(0.9), units(0.9)], units(1.1), left);
+        f.rows(&group, &[0, 1], &Spacing::spread([units(0.9), units(0.9)], units(1.1)), left);
     }
     f.fill(&[
         Filler::new(Thing::Rack { w: 120, pattern: (pattern + 4) % 15 }, 50, Wish::STORAGE, 4),
@@ -182,12 +184,11 @@ pub fn server(f: &mut Fitting) {
     for count in [6, 4, 3, 2, 1] {
         let rack = f.item(Thing::ServerRack { pattern: (pattern + count as u8) % 12 });
         let mut group = Group::row(&rack, count, units(0.8));
-        let [w, d] = group.size;
+        let w = group.size[0];
         group.used.push(Rect2 { lo: [0, -units(0.6)], hi: [w, 0] });
         let left = enough.saturating_sub(f.faces()) / group.faces().max(1);
         let turns = if f.random.flip() { [0, 1] } else { [2, 3] };
-        f.rows(&group, &turns, [units(0.8), units(0.9)], units(0.85), left);
-        debug_assert!(d > 0);
+        f.rows(&group, &turns, &Spacing::spread([units(0.8), units(0.9)], units(0.85)), left);
     }
     f.fill(&[
         Filler::new(Thing::PowerCabinet, 70, Wish::STORAGE, 2),

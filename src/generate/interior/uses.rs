@@ -83,14 +83,14 @@ impl Use {
             Use::Office => (0, 825),
             Use::OpenOffice => (0, 900),
             Use::Meeting => (20, 800),
-            Use::Conference => (40, 700),
+            Use::Conference => (40, 800),
             Use::Corridor => (0, 225),
-            Use::Hall => (20, 300),
+            Use::Hall => (30, 300),
             Use::Toilet => (40, 420),
-            Use::Storage => (10, 700),
+            Use::Storage => (10, 1000),
             Use::Kitchenette => (50, 500),
-            Use::Server => (10, 500),
-            Use::Library => (0, 1000),
+            Use::Server => (10, 700),
+            Use::Library => (0, 1800),
             Use::Lounge => (20, 500),
             Use::Stair => (0, 60),
             Use::Living => (20, 550),
@@ -110,7 +110,7 @@ impl Use {
         u32::try_from(faces).unwrap_or(u32::MAX).saturating_add(base).min(MOST_FACES)
     }
 
-    /// Width of the way from door to door, metres.
+    /// Width of the way from door to door, metres. That to a piece is 0.5 m wide.
     pub const fn walkway(self) -> f64 {
         match self {
             Use::Corridor | Use::Hall | Use::Stair => 0.9,

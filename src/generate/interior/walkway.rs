@@ -9,7 +9,16 @@ use super::region::Region;
 /// At most about as many cells; in larger rooms they are wider.
 const CELLS: i64 = 1 << 15;
 
+/// What a thing took of the floor.
+#[derive(Debug)]
+pub struct Taken {
+    closed: Vec<usize>,
+    /// How many places there were before.
+    places: usize,
+}
+
 /// The floor that can be walked on.
+#[derive(Clone, Debug)]
 pub struct Walkway {
     lo: [i64; 2],
     pitch: i64,
@@ -113,25 +122,29 @@ impl Walkway {
 
     /// Puts things on the floor, each with the places from which they are used, if all doors and places stay within
     /// reach; else nothing changes.
-    pub fn take(&mut self, things: &[Rect2], places: &[Rect2]) -> bool {
-        let mut closed = Vec::new();
+    pub fn take(&mut self, things: &[Rect2], places: &[Rect2]) -> Option<Taken> {
+        let mut taken = Taken { closed: Vec::new(), places: self.places.len() };
         for thing in things {
             let lo = thing.lo.map(|c| i64::from(c) - self.half);
             let hi = thing.hi.map(|c| i64::from(c) + self.half);
             for cell in self.cells_within(lo, hi) {
                 if std::mem::replace(&mut self.open[cell], false) {
-                    closed.push(cell);
+                    taken.closed.push(cell);
                 }
             }
         }
-        let before = self.places.len();
         self.places.extend(places);
-        let fine = (closed.is_empty() && places.is_empty()) || self.is_connected();
-        if !fine {
-            self.places.truncate(before);
-            closed.into_iter().for_each(|cell| self.open[cell] = true);
+        if (taken.closed.is_empty() && places.is_empty()) || self.is_connected() {
+            return Some(taken);
         }
-        fine
+        self.give_back(taken);
+        None
+    }
+
+    /// Undoes what was taken last.
+    pub fn give_back(&mut self, taken: Taken) {
+        self.places.truncate(taken.places);
+        taken.closed.into_iter().for_each(|cell| self.open[cell] = true);
     }
 
     fn is_connected(&self) -> bool {
@@ -166,12 +179,12 @@ mod tests {
         let region = Region::new(&[rect(0.0, 0.0, 4.0, 3.0)], &[]);
         let doors = [rect(0.0, 1.0, 0.9, 2.0), rect(3.1, 1.0, 4.0, 2.0)];
         let mut walkway = Walkway::new(&region, units(0.5), &doors);
-        assert!(!walkway.take(&[rect(1.8, 0.0, 2.2, 2.7)], &[]), "only 0.3 m are left");
-        assert!(walkway.take(&[rect(1.8, 0.0, 2.2, 2.2)], &[]));
-        assert!(!walkway.take(&[rect(1.8, 2.5, 2.2, 3.0)], &[]), "the gap is shut");
+        assert!(walkway.take(&[rect(1.8, 0.0, 2.2, 2.7)], &[]).is_none(), "only 0.3 m are left");
+        assert!(walkway.take(&[rect(1.8, 0.0, 2.2, 2.2)], &[]).is_some());
+        assert!(walkway.take(&[rect(1.8, 2.5, 2.2, 3.0)], &[]).is_none(), "the gap is shut");
         // A place behind a barrier.
-        assert!(!walkway.take(&[rect(2.6, 0.5, 3.0, 0.9)], &[rect(5.0, 0.0, 6.0, 1.0)]), "outside");
-        assert!(walkway.take(&[rect(2.6, 0.5, 3.0, 0.9)], &[rect(3.0, 0.4, 3.6, 0.9)]));
+        assert!(walkway.take(&[rect(2.6, 0.5, 3.0, 0.9)], &[rect(5.0, 0.0, 6.0, 1.0)]).is_none(), "outside");
+        assert!(walkway.take(&[rect(2.6, 0.5, 3.0, 0.9)], &[rect(3.0, 0.4, 3.6, 0.9)]).is_some());
     }
 
     #[test]
@@ -179,9 +192,9 @@ mod tests {
         let region = Region::new(&[rect(0.0, 0.0, 2.0, 2.0), rect(3.0, 0.0, 5.0, 2.0)], &[]);
         let doors = [rect(0.0, 0.0, 0.9, 0.9), rect(3.0, 0.0, 3.9, 0.9)];
         let mut walkway = Walkway::new(&region, units(0.5), &doors);
-        assert!(walkway.take(&[rect(1.5, 1.5, 2.0, 2.0)], &[rect(1.0, 1.5, 1.5, 2.0)]));
+        assert!(walkway.take(&[rect(1.5, 1.5, 2.0, 2.0)], &[rect(1.0, 1.5, 1.5, 2.0)]).is_some());
         let mut nowhere = Walkway::new(&Region::default(), units(0.5), &doors);
-        assert!(nowhere.take(&[rect(0.0, 0.0, 1.0, 1.0)], &[]));
-        assert!(!nowhere.take(&[], &[rect(0.0, 0.0, 1.0, 1.0)]));
+        assert!(nowhere.take(&[rect(0.0, 0.0, 1.0, 1.0)], &[]).is_some());
+        assert!(nowhere.take(&[], &[rect(0.0, 0.0, 1.0, 1.0)]).is_none());
     }
 }

@@ -5,7 +5,8 @@ use crate::generate::lattice::units;
 use super::Rect2;
 use super::catalogue::Thing;
 use super::fitting::{Filler, Fitting, Wish};
-use super::group::Group;
+use super::group::{Group, table_with_chairs};
+use super::spacing::Spacing;
 
 /// What offices are filled with: what is kept in them, then small things.
 fn office_fillers(pattern: u8) -> [Filler; 14] {
@@ -29,10 +30,10 @@ fn office_fillers(pattern: u8) -> [Filler; 14] {
 }
 
 /// A desk whose back is at v = 0, with a chair in front of it and drawers under one of its ends.
-fn workplace(f: &mut Fitting, w: u16, d: u16, is_dark: bool) -> Group {
+fn workplace(f: &mut Fitting, [w, d]: [u16; 2], is_dark: bool, has_cross: bool) -> Group {
     let is_red = f.random.below(3) == 0;
     let desk = f.item(Thing::WorkDesk { w, d, is_dark });
-    let chair = f.item(Thing::SwivelChair { is_red });
+    let chair = f.item(Thing::SwivelChair { is_red, has_cross });
     let pedestal = f.item(Thing::Pedestal);
     let [w, d] = desk.size;
     let seat = units(0.9);
@@ -47,7 +48,7 @@ fn workplace(f: &mut Fitting, w: u16, d: u16, is_dark: bool) -> Group {
 
 /// A workplace with its back to the room's middle: who sits there looks into the room, and visitors sit opposite.
 fn facing_room(f: &mut Fitting, w: u16, is_dark: bool, visitors: i32) -> Group {
-    let place = workplace(f, w, 80, is_dark);
+    let place = workplace(f, [w, 80], is_dark, visitors > 0);
     let chair = f.item(Thing::VisitorChair { is_red: false });
     let [w, d] = place.size;
     let mut group = Group { size: [w, d], ..Group::default() };
@@ -70,7 +71,7 @@ fn island(f: &mut Fitting, w: u16, pairs: i32, has_divider: bool) -> Group {
     let mut group = Group::default();
     for i in 0..pairs {
         for is_far in [false, true] {
-            let place = workplace(f, w, 80, is_dark);
+            let place = workplace(f, [w, 80], is_dark, false);
             let [w, d] = place.size;
             let lo = [i * w, if is_far { d + gap } else { 0 }];
             group.add(&place, lo, if is_far { 0 } else { 2 });
@@ -97,12 +98,8 @@ pub fn office(f: &mut Fitting) {
     let is_dark = f.random.below(3) == 0;
     // Light falls on desks from the side: their ends are at the window, or they stand across the room.
     let near_window = Wish { corner: 2, window: 2, door: -1, chance: 1, ..Wish::default() };
-    let wanted = match area {
-        0..=13 => 1,
-        14..=17 => 1 + u32::from(f.random.below(3) == 0),
-        18..=23 => 1 + f.random.below(2),
-        _ => (area / 11).min(40),
-    };
+    let most = (f.target().saturating_sub(30) / 62).clamp(1, 60);
+    let wanted = (most - f.random.below(most.div_ceil(3))).max(1);
     let mut desks = 0;
     while desks < wanted {
         let width = if area < 10 { 140 } else { 160 };
@@ -121,7 +118,7 @@ pub fn office(f: &mut Fitting) {
         }
         for width in [160, 140, 120] {
             if !put {
-                let group = workplace(f, width, if width == 120 { 70 } else { 80 }, is_dark);
+                let group = workplace(f, [width, if width == 120 { 70 } else { 80 }], is_dark, wanted == 1);
                 let group = Group { size: [group.size[0], group.used[0].lo[1]], ..group };
                 put = f.against_wall(&group, &near_window);
                 desks += u32::from(put);
@@ -148,7 +145,7 @@ pub fn office(f: &mut Fitting) {
 fn small_table(f: &mut Fitting, is_red: bool) {
     let table = f.item(Thing::Table { w: 90, d: 90, h: 74 });
     let chair = f.item(Thing::VisitorChair { is_red });
-    let group = super::group::table_with_chairs(&table, &chair, [1, 1], units(0.65));
+    let group = table_with_chairs(&table, &chair, [1, 1], units(0.65));
     if group.faces() + 40 < f.budget() {
         f.in_the_middle(&group, &[0]);
     }
@@ -158,17 +155,16 @@ fn small_table(f: &mut Fitting, is_red: bool) {
 pub fn open_office(f: &mut Fitting) {
     f.radiators();
     let enough = f.target() * 3 / 4;
-    'sizes: for pairs in [4, 3, 2, 1] {
-        let has_divider = f.random.flip();
+    let turns = if f.random.flip() { [0, 1] } else { [1, 0] };
+    // Two islands at least, if they are not to be tiny.
+    let longest = (enough / 250).clamp(1, 3) as i32 + i32::from(f.random.flip());
+    let has_divider = f.random.flip();
+    for pairs in (1..=longest).rev() {
         let group = island(f, 160, pairs, has_divider);
-        for _ in 0..6 {
+        for _ in 0..4 {
             let left = enough.saturating_sub(f.faces()) / group.faces().max(1);
-            if left == 0 {
+            if f.rows(&group, &turns, &Spacing::spread([units(1.3), units(0.5)], units(0.5)), left) == 0 {
                 break;
-            }
-            let turns = if f.random.flip() { [0, 1] } else { [1, 0] };
-            if f.rows(&group, &turns, [units(1.3), units(0.5)], units(0.5), left) == 0 {
-                continue 'sizes;
             }
         }
     }
@@ -204,11 +200,17 @@ pub fn meeting(f: &mut Fitting) {
         (140, 90),
         (90, 90),
     ];
+    let passed_over = f.random.below(3);
     for (w, d) in sizes {
         let table = f.item(Thing::ConferenceTable { w, d });
         let per_side = table.size[0] / units(0.68);
         let ends = i32::from(d >= 120);
-        let group = super::group::table_with_chairs(&table, &chair, [per_side, ends], units(0.7));
+        let group = table_with_chairs(&table, &chair, [per_side, ends], units(0.7));
+        // Not always the largest one that there is room for.
+        let is_small = w <= 140;
+        if !is_small && (group.faces() > f.budget() || f.random.below(3) < passed_over) {
+            continue;
+        }
         if f.in_the_middle(&group, &long_way(f)) {
             break;
         }
@@ -280,20 +282,15 @@ pub fn conference(f: &mut Fitting) {
     // Its front is the speaker's side.
     stage.put(&lectern, [0, units(0.8)], 2);
     stage.used.push(Rect2 { lo: [0, 0], hi: [units(0.6), units(0.8)] });
-    f.against_wall(&stage, &Wish { facing: Some((back, 100)), middle: 1, chance: 2, ..Wish::default() });
+    f.against_wall(&stage, &Wish { facing: Some((back, 100)), middle: 4, chance: 1, ..Wish::default() });
     let chair = f.item(Thing::VisitorChair { is_red });
     let enough = f.target() * 17 / 20;
-    'rows: for seats in [8, 6, 4, 3, 2] {
+    let audience = Spacing { gap: [units(1.0), units(0.45)], margin: units(0.7), is_audience: true };
+    let longest = (4 + f.random.below(5)) as i32;
+    for seats in [longest, longest.min(6) - 1, 2] {
         let row = Group::row(&chair, seats, units(0.42));
-        for _ in 0..4 {
-            let left = enough.saturating_sub(f.faces()) / row.faces().max(1);
-            if left == 0 {
-                break 'rows;
-            }
-            if f.rows(&row, &[look], [units(1.0), units(0.45)], units(0.7), left) == 0 {
-                break;
-            }
-        }
+        let left = enough.saturating_sub(f.faces()) / row.faces().max(1);
+        f.rows(&row, &[look], &audience, left);
     }
     let pattern = f.random.below(64) as u8;
     f.fill(&[
@@ -323,19 +320,17 @@ pub fn classroom(f: &mut Fitting) {
     let table = f.item(Thing::SchoolTable);
     let chair = f.item(Thing::WoodenChair);
     let mut pair = Group { size: [table.size[0], table.size[1] + units(0.6)], ..Group::default() };
-    let [w, d] = table.size;
+    let w = table.size[0];
     pair.put(&table, [0, units(0.6)], 0);
     for i in 0..2 {
         pair.put_chair(&chair, [w / 4 + i * w / 2 - chair.size[0] / 2, units(0.3)], 0);
     }
     pair.used.push(Rect2 { lo: [0, 0], hi: [w, units(0.6)] });
-    debug_assert!(pair.size[1] >= d);
     let enough = f.target() * 17 / 20;
-    for _ in 0..4 {
+    let audience = Spacing { gap: [units(0.65), units(0.3)], margin: units(0.5), is_audience: true };
+    for _ in 0..3 {
         let left = enough.saturating_sub(f.faces()) / pair.faces().max(1);
-        if left == 0 || f.rows(&pair, &[look], [units(0.65), units(0.3)], units(0.5), left) == 0 {
-            break;
-        }
+        f.rows(&pair, &[look], &audience, left);
     }
     let pattern = f.random.below(64) as u8;
     f.fill(&[

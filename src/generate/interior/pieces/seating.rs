@@ -6,15 +6,23 @@ use crate::generate::palette::{
     WALNUT,
 };
 
-/// An office chair on a cross, 0.5 by 0.5 m.
-pub fn swivel_chair(fabric: u32) -> Piece {
+/// An office chair, 0.5 by 0.5 m, on a plate or on a cross.
+pub fn swivel_chair(fabric: u32, has_cross: bool) -> Piece {
     let (w, d) = (0.5, 0.5);
-    Piece::default()
-        .add([0.02, 0.22, 0.0], [w - 0.02, 0.28, 0.06], BLACK_GLASS)
-        .add([0.22, 0.02, 0.0], [0.28, d - 0.02, 0.06], BLACK_GLASS)
-        .add([0.22, 0.22, 0.06], [0.28, 0.28, 0.43], STEEL)
-        .add([0.0, 0.0, 0.43], [w, d, 0.51], fabric)
-        .add([0.03, 0.0, 0.51], [w - 0.03, 0.06, 0.98], fabric)
+    let foot = if has_cross {
+        Piece::default().add([0.02, 0.22, 0.0], [w - 0.02, 0.28, 0.06], BLACK_GLASS).add(
+            [0.22, 0.02, 0.0],
+            [0.28, d - 0.02, 0.06],
+            BLACK_GLASS,
+        )
+    } else {
+        Piece::default().add([0.07, 0.07, 0.0], [w - 0.07, d - 0.07, 0.06], BLACK_GLASS)
+    };
+    foot.add([0.22, 0.22, 0.06], [0.28, 0.28, 0.43], STEEL).add([0.0, 0.0, 0.43], [w, d, 0.51], fabric).add(
+        [0.03, 0.0, 0.51],
+        [w - 0.03, 0.06, 0.98],
+        fabric,
+    )
 }
 
 /// An upholstered chair on a foot, 0.5 by 0.52 m.
@@ -91,7 +99,7 @@ pub fn plant(is_large: bool) -> Piece {
 /// A pole with four hooks, 0.5 by 0.5 m.
 pub fn coat_stand() -> Piece {
     Piece::default()
-        .add([0.05, 0.05, 0.0], [0.45, 0.45, 0.03], STEEL)
+        .add([0.0, 0.0, 0.0], [0.5, 0.5, 0.03], STEEL)
         .add([0.23, 0.23, 0.03], [0.27, 0.27, 1.75], STEEL)
         .add([0.08, 0.235, 1.6], [0.42, 0.265, 1.63], STEEL)
         .add([0.235, 0.0, 1.66], [0.265, 0.5, 1.69], STEEL)

@@ -73,11 +73,11 @@ pub fn canvas(w: f64) -> Piece {
     )
 }
 
-/// A radiator under a window; a gap is left to the wall and to the floor.
+/// A radiator under a window; a gap is left to the floor, and to the wall, where a pipe bridges it.
 pub fn radiator(w: f64, h: f64) -> Piece {
     Piece::default().add([0.0, 0.03, 0.12], [w, 0.1, 0.12 + h], LACQUER).add(
-        [0.03, 0.05, 0.0],
-        [0.05, 0.07, 0.12],
+        [0.03, 0.0, 0.2],
+        [0.05, 0.03, 0.24],
         STEEL,
     )
 }

@@ -24,9 +24,9 @@ pub fn divider(w: f64) -> Piece {
 /// Drawers that roll under a desk, 0.42 by 0.55 m.
 pub fn pedestal() -> Piece {
     let (w, d, h) = (0.42, 0.55, 0.58);
-    let mut piece = Piece::default().add([0.0, 0.0, 0.0], [w, d, h], LACQUER);
-    for z in [0.03, 0.22, 0.41] {
-        piece = piece.add([0.14, d, z + 0.1], [w - 0.14, d + 0.02, z + 0.12], STEEL);
+    let mut piece = Piece::default().add([0.0, 0.0, 0.0], [w, d, h], CONCRETE);
+    for z in [0.03, 0.21, 0.39] {
+        piece = piece.add([0.01, d - 0.02, z], [w - 0.01, d, z + 0.16], LACQUER);
     }
     piece
 }
