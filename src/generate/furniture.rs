@@ -14,18 +14,20 @@ pub struct Piece {
 }
 
 impl Piece {
-    fn add(mut self, lo: [f64; 3], hi: [f64; 3], material: u32) -> Piece {
+    /// Adds a box of a material, corners in metres.
+    pub(super) fn add(mut self, lo: [f64; 3], hi: [f64; 3], material: u32) -> Piece {
         self.boxes.push((Cuboid::new(lo, hi), Some(material)));
         self
     }
 
-    fn carve(mut self, lo: [f64; 3], hi: [f64; 3]) -> Piece {
+    /// Takes a box away, corners in metres.
+    pub(super) fn carve(mut self, lo: [f64; 3], hi: [f64; 3]) -> Piece {
         self.boxes.push((Cuboid::new(lo, hi), None));
         self
     }
 
     /// Four legs under a `w` by `d` top at height `h`, set back from its edges by `inset`.
-    fn legs(mut self, [w, d, h]: [f64; 3], inset: f64, thick: f64, material: u32) -> Piece {
+    pub(super) fn legs(mut self, [w, d, h]: [f64; 3], inset: f64, thick: f64, material: u32) -> Piece {
         for u in [inset, w - inset - thick] {
             for v in [inset, d - inset - thick] {
                 self = self.add([u, v, 0.0], [u + thick, v + thick, h], material);
