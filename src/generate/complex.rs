@@ -2,19 +2,23 @@
 
 use std::collections::BTreeMap;
 
+use twox_hash::XxHash3_64;
+
 use crate::importers::Semantic;
 
 use super::building::{Building, Kind};
 use super::draft::Draft;
 use super::furnish;
 use super::holes::{self, Filling, Hole};
+use super::interior::{self, Furnisher, Room, Window};
+use super::joinery::standing;
 use super::lattice::{Cuboid, Rect, metres};
 use super::palette::{self, Look};
 use super::plan::{Paint, Plan, Slope, Top};
 use super::sheet::{Embedding, Turn};
 use super::stair::StairPlan;
 use super::uses::Use;
-use super::wing::{Modules, OUTER, RoomPlan, Storey, Wing, area};
+use super::wing::{HolePlan, Modules, OUTER, RoomPlan, Storey, WallPlan, Wing, area};
 
 /// A module of the drawing, units: a multiple of eight, so that roofs may slope by halves, quarters and eighths.
 pub const MODULE: i32 = 104;
@@ -154,6 +158,7 @@ struct Drawing<'a> {
     lights: std::vec::IntoIter<usize>,
     /// How many rooms have been numbered on each storey.
     numbers: BTreeMap<usize, usize>,
+    furnisher: Furnisher,
 }
 
 impl<'a> Drawing<'a> {
@@ -194,7 +199,7 @@ impl<'a> Drawing<'a> {
         );
         draft.fill_world(ground, [hull.lo[2], GROUND * MODULE]);
         let lights = share(complex.lights, &room_areas(complex)).into_iter();
-        Drawing { complex, draft, hull, lights, numbers: BTreeMap::new() }
+        Drawing { complex, draft, hull, lights, numbers: BTreeMap::new(), furnisher: Furnisher::new() }
     }
 
     /// A name no other room of the building has.
@@ -258,7 +263,7 @@ impl<'a> Drawing<'a> {
     }
 
     fn walls(&mut self, floor: &Floor<'_>) -> Vec<u32> {
-        let draw = |wall: &super::wing::WallPlan| {
+        let draw = |wall: &WallPlan| {
             let element = self.wall(&floor.name(&wall.name), wall.is_outer);
             self.draft.paint(element, upright(floor.rect(&wall.rect), floor.heights()));
             element
@@ -636,9 +641,32 @@ impl<'a> Drawing<'a> {
         self.draft.camera("Outside", outside, at(length / 3, depth / 2, high * 0.2), 50.0);
     }
 
-    fn furnish(&mut self, room: &Furnished<'_>) {
-        let _ = (room.name, room.use_, &room.rects, &room.solids, &room.clear, &room.windows, room.heights);
-        let _ = self.lights.next();
+    /// Hangs a room's lamps and puts its furniture in.
+    fn furnish(&mut self, furnished: &Furnished<'_>) {
+        let Furnished { name, use_, heights: [floor, ceiling], .. } = *furnished;
+        let seed = XxHash3_64::oneshot_with_seed(self.complex.seed, name.as_bytes());
+        let room = Room {
+            use_,
+            rects: &furnished.rects,
+            solids: &furnished.solids,
+            floor,
+            ceiling,
+            keep_clear: &furnished.clear,
+            windows: &furnished.windows,
+            seed,
+        };
+        let lights = self.lights.next().unwrap_or(1);
+        for (i, at) in interior::lamps(&room, lights).into_iter().enumerate() {
+            self.lamp(&format!("{name} {}", i + 1), at);
+        }
+        if !self.complex.furniture {
+            return;
+        }
+        for placed in self.furnisher.furnish(&room) {
+            let name = format!("{name} {}", placed.name);
+            let element = self.draft.element(Kind::Detail, placed.semantic, placed.class, &name);
+            self.draft.detail(element, standing(&placed.place, &placed.piece.boxes));
+        }
     }
 }
 
@@ -677,8 +705,16 @@ impl Floor<'_> {
         StairPlan::new(room.rects[0], row == 0)
     }
 
-    fn window(&self, hole: &super::wing::HolePlan) -> [Rect; 1] {
-        [self.rect(&hole.rect)]
+    /// A window as its room sees it.
+    fn window(&self, hole: &HolePlan) -> Window {
+        let Rect { lo, hi } = self.rect(&hole.rect);
+        let (from, to) = match hole.inside {
+            0 => ([lo[0], hi[1]], hi),
+            1 => (lo, [lo[0], hi[1]]),
+            2 => (lo, [hi[0], lo[1]]),
+            _ => ([hi[0], lo[1]], hi),
+        };
+        Window { from, to, sill: self.z + hole.heights[0] * MODULE }
     }
 }
 
@@ -689,7 +725,7 @@ struct Furnished<'a> {
     rects: Vec<Rect>,
     solids: Vec<Rect>,
     clear: Vec<Rect>,
-    windows: Vec<[Rect; 1]>,
+    windows: Vec<Window>,
     heights: [i32; 2],
 }
 

@@ -62,13 +62,6 @@ pub struct Rect {
     pub hi: [i32; 2],
 }
 
-impl Rect {
-    /// Whether it holds no area.
-    pub fn is_empty(&self) -> bool {
-        (0..2).any(|i| self.lo[i] >= self.hi[i])
-    }
-}
-
 /// Where a thing drawn in its own frame stands: turned by quarter turns about the vertical, then moved.
 ///
 /// In its own frame a thing that belongs to a wall has u along the wall, v from the wall into the room, and the

@@ -314,6 +314,7 @@ impl Wing {
             });
         }
         let [_, south, _, north] = storey.walls[outer_wall].rect;
+        let into_room = if row == 0 { 0 } else { 2 };
         let use_ = self.bays[row][bay].room;
         if self.bays[row][bay].is_blind {
             return;

@@ -50,14 +50,7 @@ const BEFORE_WINDOW: f64 = 0.45;
 /// Rooms of more rectangles than this stay empty.
 const MOST_RECTS: usize = 256;
 
-/// A rectangle of the plan, units. Empty unless `lo` is below `hi` on both axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rect2 {
-    /// The corner with the least coordinates.
-    pub lo: [i32; 2],
-    /// The corner with the greatest coordinates.
-    pub hi: [i32; 2],
-}
+pub use super::lattice::Rect as Rect2;
 
 impl Rect2 {
     /// The rectangle with two opposite corners, in any order.
