@@ -197,8 +197,8 @@ impl Style {
     }
 
     /// All options that are shares, with the names that the command line gives them.
-    pub fn shares_mut(&mut self) -> [(&'static str, &mut f64); 21] {
-        [
+    pub fn shares_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        vec![
             ("wall-ends", &mut self.wall_ends),
             ("walls-touching", &mut self.walls_touching),
             ("walls-lapped", &mut self.walls_lapped),
