@@ -21,13 +21,13 @@ pub enum Orientation {
 /// One connected component of a mesh.
 #[derive(Clone, Debug)]
 pub struct Component {
-    /// Its triangles, ascending indices into the mesh.
+    /// Its different triangles, ascending indices into the mesh: of doubled ones the first.
     pub triangles: Vec<u32>,
     /// Whether it encloses a volume.
     pub closed: bool,
     /// Whether its triangles agree about the outside.
     pub orientation: Orientation,
-    /// Triangles that stand on the same corners and side as an earlier one.
+    /// Triangles that stand on the same corners and side as an earlier one: left out above.
     pub doubled: u32,
     /// Edges with an odd number of triangles.
     pub open_edges: u32,
@@ -63,16 +63,11 @@ pub fn components(mesh: &Mesh) -> Vec<Component> {
 }
 
 fn describe(mesh: &Mesh, triangles: Vec<u32>) -> Component {
-    let mut doubled = 0;
-    // Directed edges as (lower vertex, upper vertex, +1 or -1), one for each corner of each different triangle.
+    let all = triangles.len();
+    let triangles = different(mesh, triangles);
+    // Directed edges as (lower vertex, upper vertex, +1 or -1).
     let mut edges: Vec<(u32, u32, i32)> = Vec::with_capacity(triangles.len() * 3);
-    let mut seen: Vec<[u32; 3]> = triangles.iter().map(|&t| rotated(mesh.triangles[t as usize])).collect();
-    seen.sort_unstable();
-    for (i, &[a, b, c]) in seen.iter().enumerate() {
-        if i > 0 && seen[i - 1] == [a, b, c] {
-            doubled += 1;
-            continue;
-        }
+    for [a, b, c] in triangles.iter().map(|&t| mesh.triangles[t as usize]) {
         for (from, to) in [(a, b), (b, c), (c, a)] {
             edges.push(if from < to { (from, to, 1) } else { (to, from, -1) });
         }
@@ -105,13 +100,24 @@ fn describe(mesh: &Mesh, triangles: Vec<u32>) -> Component {
     Component {
         closed: open_edges == 0,
         orientation: if consistent { Orientation::Consistent } else { Orientation::Mixed },
-        doubled,
+        doubled: (all - triangles.len()) as u32,
         open_edges,
         open_at,
         bounds,
         signed_volume: six_volumes / 6.0,
         triangles,
     }
+}
+
+/// The triangles without those that stand on the same corners and side as an earlier one.
+fn different(mesh: &Mesh, triangles: Vec<u32>) -> Vec<u32> {
+    let mut keyed: Vec<([u32; 3], u32)> =
+        triangles.into_iter().map(|t| (rotated(mesh.triangles[t as usize]), t)).collect();
+    keyed.sort_unstable();
+    keyed.dedup_by_key(|(corners, _)| *corners);
+    let mut kept: Vec<u32> = keyed.into_iter().map(|(_, t)| t).collect();
+    kept.sort_unstable();
+    kept
 }
 
 /// The triangle's corners with the least one first, order kept: equal for equal triangles of equal side.

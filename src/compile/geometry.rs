@@ -23,6 +23,8 @@ pub(super) struct Gathered {
     pub(super) label_triangles: u64,
     /// Triangles of elements that are left out.
     pub(super) ignored_triangles: u64,
+    /// Triangles that stand on the same corners and side as another of their element.
+    pub(super) doubled_triangles: u64,
     /// Triangles turned outward.
     pub(super) turned: u64,
     /// Solid components by volume.
@@ -74,6 +76,9 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
             // Closed components first: together they bound the element's volume.
             for closed in [true, false] {
                 for (component, role, outward) in &part.components {
+                    if !labels && !closed {
+                        gathered.doubled_triangles += u64::from(component.doubled);
+                    }
                     if *role == Role::Ignore {
                         gathered.ignored_triangles +=
                             if labels || closed { 0 } else { component.triangles.len() as u64 };

@@ -136,6 +136,9 @@ pub(super) fn make(
         Count { what: "air labels".to_owned(), count: gathered.label_triangles },
         Count { what: "ignored elements".to_owned(), count: gathered.ignored_triangles },
     ];
+    if gathered.doubled_triangles > 0 {
+        out.push(Count { what: "doubled triangles".to_owned(), count: gathered.doubled_triangles });
+    }
     let mut reasons: BTreeMap<_, u64> = BTreeMap::new();
     for left_out in &model.left_out {
         *reasons.entry(left_out.reason).or_default() += left_out.count;

@@ -229,7 +229,7 @@ impl Truth {
     /// As JSON.
     pub fn to_json(&self) -> String {
         // Numbers and texts only: there is nothing that could not be written.
-        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+        serde_json::to_string(self).unwrap_or_default() + "\n"
     }
 
     /// Writes it beside a model: `NAME.truth.json` for `NAME.glb`. A file of that name is replaced at once.
