@@ -25,9 +25,8 @@ pub fn living(f: &mut Fitting) {
     let facing = f.random.below(4) as u8;
     let middle = Wish { middle: 2, chance: 2, ..Wish::default() };
     f.against_wall(&group, &Wish { facing: Some((facing, 6)), ..middle });
-    let television = f.item(Thing::Television { w: if area >= 14 { 180 } else { 140 } });
     let opposite = Wish { facing: Some(((facing + 2) % 4, 6)), ..middle };
-    f.against_wall(&Group::alone(&television, units(0.5)), &opposite);
+    f.add(Thing::Television { w: if area >= 14 { 180 } else { 140 } }, units(0.5), &opposite);
     if area >= 22 {
         let table = f.item(Thing::Table { w: 160, d: 90, h: 75 });
         let chair = f.item(Thing::WoodenChair);
@@ -109,8 +108,7 @@ pub fn bedroom(f: &mut Fitting) {
         }
     }
     for (w, columns) in [(200, 4), (150, 3), (100, 2)] {
-        let wardrobe = f.item(Thing::Chest { w, d: 60, h: 205, columns, rows: 1 });
-        if f.against_wall(&Group::alone(&wardrobe, units(0.6)), &Wish::STORAGE) {
+        if f.add(Thing::Chest { w, d: 60, h: 205, columns, rows: 1 }, units(0.6), &Wish::STORAGE) {
             break;
         }
     }
@@ -158,7 +156,7 @@ pub fn attic(f: &mut Fitting) {
         Filler::new(Thing::Trunk { w: 100 }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Trunk { w: 80 }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Cartons { count: 1 + pattern % 3 }, 0, Wish::CORNER, 2),
-        Filler::new(Thing::Cartons { count: 1 + pattern / 3 % 3 }, 0, Wish::CORNER, 2),
+        Filler::new(Thing::Cartons { count: 1 }, 0, Wish::CORNER, 2),
         Filler::new(Thing::Chest { w: 100, d: 45, h: 80, columns: 1, rows: 3 }, 40, Wish::STORAGE, 1),
         Filler::new(Thing::Chest { w: 100, d: 60, h: 205, columns: 2, rows: 1 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
