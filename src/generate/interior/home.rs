@@ -12,7 +12,7 @@ use super::service::counters;
 pub fn living(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     let seats = if area >= 16 { 3 } else { 2 };
     let sofa = f.item(Thing::Sofa { seats });
     let table = f.item(Thing::Table { w: 110, d: 60, h: 42 });
@@ -34,7 +34,7 @@ pub fn living(f: &mut Fitting) {
     }
     f.fill(&[
         Filler::new(Thing::Bookcase { w: 100, pattern: pattern % 8 }, 50, Wish::STORAGE, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 1),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Cupboard { w: 160, h: 75, doors: 3, is_dark: true }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::LargePlant, 0, Wish::LIGHT, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
@@ -79,7 +79,7 @@ pub fn kitchen(f: &mut Fitting) {
 pub fn bedroom(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     let head = Wish { middle: 2, door: -1, chance: 2, ..Wish::default() };
     let nightstand = f.item(Thing::Chest { w: 45, d: 40, h: 45, columns: 1, rows: 1 });
     let mut has_bed = false;
@@ -115,7 +115,7 @@ pub fn bedroom(f: &mut Fitting) {
     f.fill(&[
         Filler::new(Thing::Chest { w: 100, d: 45, h: 80, columns: 1, rows: 3 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::WorkDesk { w: 120, d: 60, is_dark: false }, 70, Wish::LIGHT, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 1),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Bookcase { w: 60, pattern: pattern % 8 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::SmallPlant, 0, Wish::LIGHT, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),

@@ -114,21 +114,21 @@ pub fn stair(f: &mut Fitting) {
 pub fn lounge(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     for _ in 0..(1 + area / 18).min(12) {
         if !seats(f, &Wish { window: 1, corner: 1, chance: 4, ..Wish::default() }) {
             break;
         }
     }
     let table = f.item(Thing::SideTable { w: 80, h: 74 });
-    let chair = f.item(Thing::VisitorChair { is_red: pattern % 2 == 0 });
+    let chair = f.item(Thing::VisitorChair { is_red });
     let group = table_with_chairs(&table, &chair, [1, 0], units(0.65));
     let left = f.budget().saturating_sub(60) / group.faces().max(1);
     f.rows(&group, &[0, 1], &Spacing::spread([units(0.4), units(0.3)], units(0.2)), left);
     f.fill(&[
         Filler::new(Thing::LargePlant, 0, Wish::CORNER, 2),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 2),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 2),
         Filler::new(Thing::Leaflets, 50, Wish::ENTRY, 1),
         Filler::new(Thing::VendingMachine, 80, Wish::STORAGE, 1),
         Filler::new(Thing::WaterCooler, 40, Wish::STORAGE, 1),

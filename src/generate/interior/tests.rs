@@ -324,20 +324,26 @@ fn catalogue_of(catalogue: &mut Catalogue, owned: &Owned) {
 
 #[test]
 fn rooms_are_as_full_as_is_usual() {
-    // Use, sizes, and the faces that rooms of these sizes show.
-    let cases: [(Use, &[(f64, f64)], std::ops::RangeInclusive<u32>); 5] = [
-        (Use::Office, &[(3.0, 5.0), (3.6, 4.5), (4.0, 4.2), (3.6, 5.4), (4.0, 5.0)], 120..=170),
-        (Use::Corridor, &[(10.0, 2.0), (2.0, 10.0), (11.0, 1.8), (8.0, 2.5)], 30..=60),
-        (Use::Toilet, &[(2.0, 3.0), (3.0, 2.6), (2.6, 3.6), (3.2, 4.0)], 60..=100),
-        (Use::Conference, &[(6.0, 8.0), (7.0, 9.0), (9.0, 8.0)], 300..=700),
-        (Use::Stair, &[(3.0, 6.0), (4.0, 6.0)], 0..=30),
+    // Use, areas in square metres, the shorter and the longer side in metres, and the faces that such rooms show.
+    let cases = [
+        (Use::Office, 15.0..=20.0, [2.0, 8.0], 120..=170),
+        (Use::Toilet, 6.0..=12.0, [2.0, 6.0], 60..=100),
+        (Use::Corridor, 18.0..=22.0, [1.5, 14.0], 30..=60),
+        (Use::Conference, 40.0..=60.0, [4.0, 14.0], 300..=600),
     ];
-    for (use_, sizes, range) in cases {
-        for &(w, h) in sizes {
-            for seed in 0..20 {
-                let faces: u32 = typical(use_, w, h, seed).furnished().iter().map(|p| p.faces).sum();
-                assert!(range.contains(&faces), "{use_:?} {w} by {h}, seed {seed}: {faces} faces");
+    let mut furnisher = Furnisher::new();
+    let mut random = random::Random::new(1);
+    for (use_, areas, [least, most], faces) in cases {
+        let mut count = 0;
+        while count < 400 {
+            let [w, h] = [0, 1].map(|_| least + (most - least) * f64::from(random.below(1000)) / 1000.0);
+            if !areas.contains(&(w * h)) {
+                continue;
             }
+            count += 1;
+            let owned = typical(use_, w, h, random.bits());
+            let shown: u32 = furnisher.furnish(&owned.room()).iter().map(|p| p.faces).sum();
+            assert!(faces.contains(&shown), "{use_:?} {w} by {h}: {shown} faces");
         }
     }
 }
