@@ -29,7 +29,7 @@ mod global_id;
 mod holes;
 mod house;
 // Until the generators of office buildings furnish their rooms with it, only its tests use it.
-#[cfg_attr(not(test), allow(dead_code))]
+#[cfg_attr(not(test), allow(dead_code, unused_imports))]
 mod interior;
 mod joinery;
 mod lattice;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::generate::furniture::{self as house, Counter, Piece};
 use crate::generate::lattice::{Cuboid, units};
 use crate::generate::palette::{
-    BEECH, BLUE_FABRIC, CONCRETE, GRASS, GREEN_PAINT, LACQUER, LINEN, PAPER, RED_WOOL, WALNUT, WHITE_PAINT,
+    BEECH, BLUE_FABRIC, CONCRETE, GRASS, GREEN_PAINT, LACQUER, PAPER, RED_WOOL, WALNUT,
 };
 use crate::importers::Semantic;
 
@@ -166,7 +166,7 @@ fn draw(thing: Thing) -> Item {
         .map(|b| b.0)
         .collect();
     let end = |axis: usize| boxes.iter().map(|b| b.hi[axis]).max().unwrap_or(0);
-    let low = boxes.iter().map(|b| b.lo[2]).min().unwrap_or(0);
+    let [left, back, low] = [0, 1, 2].map(|axis| boxes.iter().map(|b| b.lo[axis]).min().unwrap_or(0));
     let count::Faces { all, outermost: [least, most] } = count::faces(&piece.boxes);
     let feet = if low == 0 { least[2] } else { 0 };
     Item {
@@ -176,7 +176,12 @@ fn draw(thing: Thing) -> Item {
         size: [end(0), end(1)],
         z: [low, end(2)],
         faces: all - feet,
-        at_sides: [least[1], most[0], most[1], least[0]],
+        at_sides: [
+            if back == 0 { least[1] } else { 0 },
+            most[0],
+            most[1],
+            if left == 0 { least[0] } else { 0 },
+        ],
         boxes,
         piece,
     }
@@ -234,7 +239,7 @@ fn make(thing: Thing) -> (&'static str, Class, Piece) {
         T::Whiteboard { w } => ("Whiteboard", Furniture, piece::whiteboard(m(w))),
         T::Blackboard { w } => ("Blackboard", Furniture, piece::blackboard(m(w))),
         T::Picture { w, h, color } => {
-            let colors = [BLUE_FABRIC, GRASS, RED_WOOL, LINEN, PAPER, GREEN_PAINT, CONCRETE, WHITE_PAINT];
+            let colors = [BLUE_FABRIC, GRASS, RED_WOOL, PAPER, GREEN_PAINT, CONCRETE];
             let color = colors[usize::from(color) % colors.len()];
             ("Picture", Furniture, piece::picture([m(w), m(h)], color))
         }

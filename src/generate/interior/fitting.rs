@@ -17,7 +17,7 @@ use super::{HEADROOM, MOST_RECTS, Placed, Rect2, Room};
 const NARROW: f64 = 0.5;
 
 /// No room gets more things.
-const MOST_THINGS: usize = 1500;
+const MOST_THINGS: usize = 1000;
 
 /// A thing that stands.
 struct Stand {
@@ -161,11 +161,6 @@ impl<'a> Fitting<'a> {
         self.region.bounds().unwrap_or(Rect2 { lo: [0; 2], hi: [0; 2] })
     }
 
-    /// From the floor to where things may reach.
-    pub fn height(&self) -> i32 {
-        self.ceiling - self.floor
-    }
-
     /// A thing of the catalogue.
     pub fn item(&mut self, thing: Thing) -> Arc<Item> {
         self.catalogue.item(thing)
@@ -280,6 +275,12 @@ impl<'a> Fitting<'a> {
         }
         places.sort_by_key(|&(score, place)| (std::cmp::Reverse(score), place.turns, place.origin));
         places.iter().any(|(_, place)| self.put(group, place))
+    }
+
+    /// Puts one thing against a wall, unless the room would be too full then.
+    pub fn add(&mut self, thing: Thing, front: i32, wish: &Wish) -> bool {
+        let item = self.item(thing);
+        item.faces <= self.budget() && self.against_wall(&Group::alone(&item, front), wish)
     }
 
     /// Puts a group into a corner of the room: that on its right, seen from behind it, if `is_right`, where u = 0; else
@@ -440,7 +441,7 @@ impl<'a> Fitting<'a> {
                     let (count, fits) = tries[i];
                     if fits
                         && count < filler.most * by_size * round
-                        && self.item(filler.thing).faces <= budget + 2
+                        && self.item(filler.thing).faces <= budget
                     {
                         open.push(i);
                     }

@@ -12,7 +12,7 @@ use super::service::counters;
 pub fn living(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     let seats = if area >= 16 { 3 } else { 2 };
     let sofa = f.item(Thing::Sofa { seats });
     let table = f.item(Thing::Table { w: 110, d: 60, h: 42 });
@@ -25,9 +25,8 @@ pub fn living(f: &mut Fitting) {
     let facing = f.random.below(4) as u8;
     let middle = Wish { middle: 2, chance: 2, ..Wish::default() };
     f.against_wall(&group, &Wish { facing: Some((facing, 6)), ..middle });
-    let television = f.item(Thing::Television { w: if area >= 14 { 180 } else { 140 } });
     let opposite = Wish { facing: Some(((facing + 2) % 4, 6)), ..middle };
-    f.against_wall(&Group::alone(&television, units(0.5)), &opposite);
+    f.add(Thing::Television { w: if area >= 14 { 180 } else { 140 } }, units(0.5), &opposite);
     if area >= 22 {
         let table = f.item(Thing::Table { w: 160, d: 90, h: 75 });
         let chair = f.item(Thing::WoodenChair);
@@ -35,7 +34,7 @@ pub fn living(f: &mut Fitting) {
     }
     f.fill(&[
         Filler::new(Thing::Bookcase { w: 100, pattern: pattern % 8 }, 50, Wish::STORAGE, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 1),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Cupboard { w: 160, h: 75, doors: 3, is_dark: true }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::LargePlant, 0, Wish::LIGHT, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
@@ -80,7 +79,7 @@ pub fn kitchen(f: &mut Fitting) {
 pub fn bedroom(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     let head = Wish { middle: 2, door: -1, chance: 2, ..Wish::default() };
     let nightstand = f.item(Thing::Chest { w: 45, d: 40, h: 45, columns: 1, rows: 1 });
     let mut has_bed = false;
@@ -109,15 +108,14 @@ pub fn bedroom(f: &mut Fitting) {
         }
     }
     for (w, columns) in [(200, 4), (150, 3), (100, 2)] {
-        let wardrobe = f.item(Thing::Chest { w, d: 60, h: 205, columns, rows: 1 });
-        if f.against_wall(&Group::alone(&wardrobe, units(0.6)), &Wish::STORAGE) {
+        if f.add(Thing::Chest { w, d: 60, h: 205, columns, rows: 1 }, units(0.6), &Wish::STORAGE) {
             break;
         }
     }
     f.fill(&[
         Filler::new(Thing::Chest { w: 100, d: 45, h: 80, columns: 1, rows: 3 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::WorkDesk { w: 120, d: 60, is_dark: false }, 70, Wish::LIGHT, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 1),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Bookcase { w: 60, pattern: pattern % 8 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::SmallPlant, 0, Wish::LIGHT, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
@@ -158,7 +156,7 @@ pub fn attic(f: &mut Fitting) {
         Filler::new(Thing::Trunk { w: 100 }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Trunk { w: 80 }, 40, Wish::CORNER, 1),
         Filler::new(Thing::Cartons { count: 1 + pattern % 3 }, 0, Wish::CORNER, 2),
-        Filler::new(Thing::Cartons { count: 1 + pattern / 3 % 3 }, 0, Wish::CORNER, 2),
+        Filler::new(Thing::Cartons { count: 1 }, 0, Wish::CORNER, 2),
         Filler::new(Thing::Chest { w: 100, d: 45, h: 80, columns: 1, rows: 3 }, 40, Wish::STORAGE, 1),
         Filler::new(Thing::Chest { w: 100, d: 60, h: 205, columns: 2, rows: 1 }, 50, Wish::STORAGE, 1),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),

@@ -17,8 +17,7 @@ const NICHE: Wish = Wish { corner: 3, window: 0, door: -1, middle: 0, facing: No
 pub fn corridor(f: &mut Fitting) {
     f.radiators();
     let pattern = f.random.below(64) as u8;
-    let extinguisher = f.item(Thing::Extinguisher);
-    f.against_wall(&Group::alone(&extinguisher, 0), &ALONG);
+    f.add(Thing::Extinguisher, 0, &ALONG);
     f.fill(&[
         Filler::new(Thing::NoticeBoard { w: 120 }, 0, ALONG, 1),
         Filler::new(Thing::Picture { w: 120, h: 70, color: pattern }, 0, ALONG, 1),
@@ -96,7 +95,8 @@ fn seats(f: &mut Fitting, wish: &Wish) -> bool {
     alone.put(&table, [(w - table.size[0]) / 2, d + gap], 0);
     alone.used.push(Rect2 { lo: [0, d], hi: [w, d + gap] });
     let is_right = f.random.flip();
-    [with_armchair(is_right), with_armchair(!is_right), alone].iter().any(|group| f.against_wall(group, wish))
+    let groups = [with_armchair(is_right), with_armchair(!is_right), alone];
+    groups.iter().any(|group| group.faces() <= f.budget() && f.against_wall(group, wish))
 }
 
 /// A stairwell must stay free.
@@ -106,7 +106,7 @@ pub fn stair(f: &mut Fitting) {
     f.fill(&[
         Filler::new(Thing::Sign, 0, Wish::ENTRY, 1),
         Filler::new(Thing::Picture { w: 50, h: 70, color: pattern }, 0, ALONG, 1),
-        Filler::new(Thing::Extinguisher, 0, Wish::ENTRY, 1),
+        Filler::new(Thing::Extinguisher, 0, ALONG, 1),
     ]);
 }
 
@@ -114,21 +114,21 @@ pub fn stair(f: &mut Fitting) {
 pub fn lounge(f: &mut Fitting) {
     f.radiators();
     let area = f.square_metres();
-    let pattern = f.random.below(64) as u8;
+    let (pattern, is_red) = (f.random.below(64) as u8, f.random.flip());
     for _ in 0..(1 + area / 18).min(12) {
-        if f.budget() < 60 || !seats(f, &Wish { window: 1, corner: 1, chance: 4, ..Wish::default() }) {
+        if !seats(f, &Wish { window: 1, corner: 1, chance: 4, ..Wish::default() }) {
             break;
         }
     }
     let table = f.item(Thing::SideTable { w: 80, h: 74 });
-    let chair = f.item(Thing::VisitorChair { is_red: pattern % 2 == 0 });
+    let chair = f.item(Thing::VisitorChair { is_red });
     let group = table_with_chairs(&table, &chair, [1, 0], units(0.65));
     let left = f.budget().saturating_sub(60) / group.faces().max(1);
     f.rows(&group, &[0, 1], &Spacing::spread([units(0.4), units(0.3)], units(0.2)), left);
     f.fill(&[
         Filler::new(Thing::LargePlant, 0, Wish::CORNER, 2),
         Filler::new(Thing::FloorLamp, 0, Wish::CORNER, 1),
-        Filler::new(Thing::ClubChair { is_red: pattern % 2 == 0 }, 40, Wish::CORNER, 2),
+        Filler::new(Thing::ClubChair { is_red }, 40, Wish::CORNER, 2),
         Filler::new(Thing::Leaflets, 50, Wish::ENTRY, 1),
         Filler::new(Thing::VendingMachine, 80, Wish::STORAGE, 1),
         Filler::new(Thing::WaterCooler, 40, Wish::STORAGE, 1),

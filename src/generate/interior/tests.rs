@@ -298,7 +298,7 @@ fn faces_are_counted_as_they_are_drawn() {
 }
 
 #[test]
-fn pieces_begin_at_their_back_and_their_right() {
+fn pieces_begin_at_their_back_and_their_right_end() {
     let mut catalogue = Catalogue::default();
     let mut seen = std::collections::BTreeSet::new();
     for (owned, _) in all_placed() {
@@ -306,7 +306,10 @@ fn pieces_begin_at_their_back_and_their_right() {
     }
     for (thing, item) in catalogue.drawn() {
         let low = [0, 1].map(|axis| item.boxes.iter().map(|b| b.lo[axis]).min());
-        assert_eq!(low, [Some(0); 2], "{thing:?}");
+        assert!(
+            low.iter().all(|low| low.is_some_and(|c| (0..units(0.05)).contains(&c))),
+            "{thing:?}: {low:?}"
+        );
         assert!(item.z[0] >= 0 && item.z[1] < units(2.5), "{thing:?}");
         seen.insert(item.name);
     }
@@ -321,20 +324,26 @@ fn catalogue_of(catalogue: &mut Catalogue, owned: &Owned) {
 
 #[test]
 fn rooms_are_as_full_as_is_usual() {
-    // Use, sizes, and the faces that rooms of these sizes show.
-    let cases: [(Use, &[(f64, f64)], std::ops::RangeInclusive<u32>); 5] = [
-        (Use::Office, &[(3.0, 5.0), (3.6, 4.5), (4.0, 4.2), (3.6, 5.4), (4.0, 5.0)], 120..=170),
-        (Use::Corridor, &[(10.0, 2.0), (2.0, 10.0), (11.0, 1.8), (8.0, 2.5)], 30..=60),
-        (Use::Toilet, &[(2.0, 3.0), (3.0, 2.6), (2.6, 3.6), (3.2, 4.0)], 60..=100),
-        (Use::Conference, &[(6.0, 8.0), (7.0, 9.0), (9.0, 8.0)], 300..=700),
-        (Use::Stair, &[(3.0, 6.0), (4.0, 6.0)], 0..=30),
+    // Use, areas in square metres, the shorter and the longer side in metres, and the faces that such rooms show.
+    let cases = [
+        (Use::Office, 15.0..=20.0, [2.0, 8.0], 120..=170),
+        (Use::Toilet, 6.0..=12.0, [2.0, 6.0], 60..=100),
+        (Use::Corridor, 18.0..=22.0, [1.5, 14.0], 30..=60),
+        (Use::Conference, 40.0..=60.0, [4.0, 14.0], 300..=600),
     ];
-    for (use_, sizes, range) in cases {
-        for &(w, h) in sizes {
-            for seed in 0..20 {
-                let faces: u32 = typical(use_, w, h, seed).furnished().iter().map(|p| p.faces).sum();
-                assert!(range.contains(&faces), "{use_:?} {w} by {h}, seed {seed}: {faces} faces");
+    let mut furnisher = Furnisher::new();
+    let mut random = random::Random::new(1);
+    for (use_, areas, [least, most], faces) in cases {
+        let mut count = 0;
+        while count < 400 {
+            let [w, h] = [0, 1].map(|_| least + (most - least) * f64::from(random.below(1000)) / 1000.0);
+            if !areas.contains(&(w * h)) {
+                continue;
             }
+            count += 1;
+            let owned = typical(use_, w, h, random.bits());
+            let shown: u32 = furnisher.furnish(&owned.room()).iter().map(|p| p.faces).sum();
+            assert!(faces.contains(&shown), "{use_:?} {w} by {h}: {shown} faces");
         }
     }
 }
@@ -388,28 +397,28 @@ fn strange_rooms_are_no_trouble() {
         vec![rect(0.0, 0.0, 0.3, 20.0)],
         vec![Rect2 { lo: [0, 0], hi: [1, i32::MAX] }],
         vec![whole],
-        vec![rect(0.0, 0.0, 300.0, 200.0)],
+        vec![rect(0.0, 0.0, 80.0, 60.0)],
         (0..200)
             .map(|i| rect(f64::from(i), f64::from(i % 7), f64::from(i) + 1.5, f64::from(i % 7) + 2.5))
             .collect(),
     ];
+    let heights = [(0, units(2.7)), (units(5.0), units(5.0)), (i32::MIN, i32::MAX), (0, units(0.5))];
     for use_ in Use::ALL {
         for rects in &strange {
-            for (floor, ceiling) in
-                [(0, units(2.7)), (units(5.0), units(5.0)), (i32::MIN, i32::MAX), (0, units(0.5))]
-            {
+            for (floor, ceiling) in heights {
                 let empty = Owned { rects: rects.clone(), floor, ceiling, ..typical(use_, 3.0, 4.0, 1) };
                 let windows = vec![Window { from: [i32::MIN; 2], to: [i32::MAX, 0], sill: i32::MAX }];
-                let odd = Owned {
-                    windows,
-                    solids: vec![rect(1.0, 1.0, 1.3, 1.3)],
-                    keep_clear: vec![whole],
-                    ..empty.clone()
-                };
+                let solids = vec![rect(1.0, 1.0, 1.3, 1.3)];
+                let odd = Owned { windows, solids, keep_clear: vec![whole], ..empty.clone() };
                 assert!(odd.furnished().is_empty(), "all is to be kept clear");
-                let many = empty.furnished().len();
-                assert!(many <= 1500, "{use_:?}: {many} pieces");
-                assert!(many == 0 || (ceiling > floor && empty.area() > 0.0));
+                // What fills large rooms is tried with one height only.
+                let is_small =
+                    rects.len() < 9 && rects.iter().all(|r| r.size()[0].min(r.size()[1]) < units(50.0));
+                if is_small || ceiling == units(2.7) {
+                    let many = empty.furnished().len();
+                    assert!(many <= 1000, "{use_:?}: {many} pieces");
+                    assert!(many == 0 || (ceiling > floor && empty.area() > 0.0));
+                }
             }
         }
     }

@@ -92,7 +92,7 @@ impl Use {
             Use::Server => (10, 700),
             Use::Library => (0, 1800),
             Use::Lounge => (20, 500),
-            Use::Stair => (0, 60),
+            Use::Stair => (10, 60),
             Use::Living => (20, 550),
             Use::Kitchen => (40, 600),
             Use::Bedroom => (20, 550),
@@ -119,5 +119,5 @@ impl Use {
     }
 }
 
-/// Rooms of thousands of square metres get no more than this.
-const MOST_FACES: u32 = 20_000;
+/// Rooms of far more than a thousand square metres get no more than this.
+const MOST_FACES: u32 = 12_000;

@@ -93,7 +93,14 @@ fn end_on(group: &Group) -> Group {
 
 /// One desk to some, as the room has space for, and what is kept in an office.
 pub fn office(f: &mut Fitting) {
+    if f.square_metres() > 70 {
+        return open_office(f);
+    }
     f.radiators();
+    desks(f);
+}
+
+fn desks(f: &mut Fitting) {
     let area = f.square_metres();
     let is_dark = f.random.below(3) == 0;
     // Light falls on desks from the side: their ends are at the window, or they stand across the room.
@@ -128,12 +135,13 @@ pub fn office(f: &mut Fitting) {
             break;
         }
     }
-    let bin = f.item(Thing::Bin);
-    f.against_wall(&Group::alone(&bin, 0), &Wish::LIGHT);
+    f.add(Thing::Bin, 0, &Wish::LIGHT);
     let pattern = f.random.below(64) as u8;
-    if area >= 10 {
-        let shelf = f.item(Thing::FileShelf { w: 100, rows: 5, pattern: pattern % 8 });
-        f.against_wall(&Group::alone(&shelf, units(0.5)), &Wish::STORAGE);
+    for (w, rows) in [(100, 5), (80, 5), (80, 3)] {
+        let shelf = Thing::FileShelf { w, rows, pattern: pattern % 8 };
+        if area >= 10 && f.add(shelf, units(0.5), &Wish::STORAGE) {
+            break;
+        }
     }
     if area >= 24 {
         small_table(f, is_dark);
@@ -159,6 +167,7 @@ pub fn open_office(f: &mut Fitting) {
     // Two islands at least, if they are not to be tiny.
     let longest = (enough / 250).clamp(1, 3) as i32 + i32::from(f.random.flip());
     let has_divider = f.random.flip();
+    let mut has_islands = false;
     for pairs in (1..=longest).rev() {
         let group = island(f, 160, pairs, has_divider);
         for _ in 0..4 {
@@ -166,16 +175,15 @@ pub fn open_office(f: &mut Fitting) {
             if f.rows(&group, &turns, &Spacing::spread([units(1.3), units(0.5)], units(0.5)), left) == 0 {
                 break;
             }
+            has_islands = true;
         }
     }
-    if f.faces() == 0 {
-        return office(f);
+    if !has_islands {
+        return desks(f);
     }
     let pattern = f.random.below(64) as u8;
-    let copier = f.item(Thing::Copier);
-    f.against_wall(&Group::alone(&copier, units(0.7)), &Wish::ENTRY);
-    let cooler = f.item(Thing::WaterCooler);
-    f.against_wall(&Group::alone(&cooler, units(0.5)), &Wish::ENTRY);
+    f.add(Thing::Copier, units(0.7), &Wish::ENTRY);
+    f.add(Thing::WaterCooler, units(0.5), &Wish::ENTRY);
     f.fill(&office_fillers(pattern));
 }
 
@@ -184,11 +192,9 @@ pub fn meeting(f: &mut Fitting) {
     f.radiators();
     let is_red = f.random.flip();
     let chair = f.item(Thing::VisitorChair { is_red });
-    let screen = f.item(Thing::WallScreen { w: 140 });
-    let board = f.item(Thing::Whiteboard { w: 180 });
     let at_end = Wish { middle: 3, window: -1, ..Wish::default() };
-    let [first, second] = f.random.shuffled([screen, board]);
-    f.against_wall(&Group::alone(&first, 0), &at_end);
+    let [first, second] = f.random.shuffled([Thing::WallScreen { w: 140 }, Thing::Whiteboard { w: 180 }]);
+    f.add(first, 0, &at_end);
     let sizes = [
         (840, 180),
         (720, 160),
@@ -215,7 +221,7 @@ pub fn meeting(f: &mut Fitting) {
             break;
         }
     }
-    f.against_wall(&Group::alone(&second, 0), &at_end);
+    f.add(second, 0, &at_end);
     let pattern = f.random.below(64) as u8;
     f.fill(&[
         Filler::new(
@@ -272,8 +278,7 @@ pub fn conference(f: &mut Fitting) {
     let back = (look + 2) % 4;
     let front_wall = Wish { facing: Some((back, 100)), middle: 4, ..Wish::default() };
     for w in [350, 250, 180] {
-        let canvas = f.item(Thing::Canvas { w });
-        if f.against_wall(&Group::alone(&canvas, 0), &front_wall) {
+        if f.add(Thing::Canvas { w }, 0, &front_wall) {
             break;
         }
     }
@@ -310,8 +315,7 @@ pub fn classroom(f: &mut Fitting) {
     let back = (look + 2) % 4;
     let front_wall = Wish { facing: Some((back, 100)), middle: 4, ..Wish::default() };
     for w in [380, 280, 180] {
-        let board = f.item(Thing::Blackboard { w });
-        if f.against_wall(&Group::alone(&board, 0), &front_wall) {
+        if f.add(Thing::Blackboard { w }, 0, &front_wall) {
             break;
         }
     }

@@ -48,7 +48,7 @@ pub fn cubicle_side(d: f64) -> Piece {
 
 /// A board of a cubicle's front, or its door.
 pub fn cubicle_front(w: f64, is_door: bool) -> Piece {
-    let piece = Piece::default().add([0.0, 0.0, 0.15], [w, 0.03, 2.0], LACQUER);
+    let piece = Piece::default().add([0.0, 0.0, 0.15], [w, 0.03, 2.0], CONCRETE);
     if !is_door {
         return piece;
     }

@@ -36,16 +36,23 @@ pub fn file_shelf(w: f64, rows: u32, pattern: u32) -> Piece {
     let (d, board, pitch) = (0.32, 0.025, 0.37);
     let h = board + pitch * f64::from(rows);
     let mut piece = Piece::default().add([0.0, 0.0, 0.0], [w, d, h], BEECH);
-    let colors = [PAPER, BLACK_GLASS, BLUE_FABRIC, LINEN, GREEN_PAINT];
+    // Shares of a board, and what stands there; the rest is empty.
+    let boards: [&[(f64, u32)]; 6] = [
+        &[(0.3, BLACK_GLASS), (0.25, CONCRETE), (0.2, BLUE_FABRIC)],
+        &[(0.55, BLUE_FABRIC), (0.15, PAPER)],
+        &[],
+        &[(0.25, CONCRETE), (0.35, BLACK_GLASS)],
+        &[(0.2, RED_WOOL), (0.3, CONCRETE)],
+        &[(0.4, LINEN)],
+    ];
     for row in 0..rows {
         let z = board + f64::from(row) * pitch;
         piece = piece.carve([board, 0.02, z], [w - board, d, z + pitch - board]);
-        let pick = pattern * 7 + row * 3;
-        let inner = w - 2.0 * board;
-        let full = inner * [0.35, 0.9, 0.6, 1.0][(pick % 4) as usize];
-        let color = colors[(pick % 5) as usize];
-        if (pattern + row) % 4 != 0 {
-            piece = piece.add([board, 0.02, z], [board + full, 0.29, z + 0.32], color);
+        let mut u = board;
+        for &(share, color) in boards[((pattern * 5 + row) % 6) as usize] {
+            let wide = share * (w - 2.0 * board);
+            piece = piece.add([u, 0.02, z], [u + wide, 0.29, z + 0.32], color);
+            u += wide;
         }
     }
     piece
@@ -60,14 +67,13 @@ pub fn bookcase(w: f64, pattern: u32) -> Piece {
     for row in 0..rows {
         let z = board + f64::from(row) * pitch;
         piece = piece.carve([board, 0.02, z], [w - board, d, z + pitch - board]);
-        let pick = pattern * 5 + row * 2;
-        let full = (w - 2.0 * board) * [0.8, 1.0, 0.9, 0.55, 1.0][(pick % 5) as usize];
-        let tall = [0.25, 0.29, 0.22][(pick % 3) as usize];
-        piece = piece.add(
-            [board, 0.02, z],
-            [board + full, 0.24, z + tall],
-            colors[((pick + pattern) % 5) as usize],
-        );
+        let pick = (pattern * 5 + row * 2) as usize;
+        let full = (w - 2.0 * board) * [0.8, 1.0, 0.9, 0.55, 1.0][pick % 5];
+        let middle = board + full * [0.4, 0.65][pick % 2];
+        let [low, high] = [[0.25, 0.29], [0.28, 0.23], [0.22, 0.26]][pick % 3];
+        let color = |i: usize| colors[(pick + row as usize + i) % 5];
+        piece = piece.add([board, 0.02, z], [middle, 0.24, z + low], color(0));
+        piece = piece.add([middle, 0.02, z], [board + full, 0.22, z + high], color(2));
     }
     piece
 }
