@@ -33,6 +33,8 @@ pub struct Outline {
     pub apse: Option<Apse>,
     /// Point lights.
     pub lights: usize,
+    /// How much furniture, per cent of what is usual.
+    pub fullness: u32,
 }
 
 /// Half the width of a passage, modules.
@@ -95,6 +97,7 @@ impl Outline {
             apse: self.apse,
             lights: self.lights,
             furniture,
+            fullness: self.fullness,
             seed,
         }
     }

@@ -97,6 +97,8 @@ pub struct Complex {
     pub lights: usize,
     /// Put furniture, sanitary ware and lamps into the rooms.
     pub furniture: bool,
+    /// How much furniture, per cent of what is usual.
+    pub fullness: u32,
     /// Identities, furniture, and how far the doors stand open, follow from it.
     pub seed: u64,
 }
@@ -483,7 +485,9 @@ impl<'a> Drawing<'a> {
                 }
             }
         }
-        let rects = vec![Rect { lo: [t, t], hi: [l - t, d - t] }];
+        // Where one can stand.
+        let low = 30 * MODULE;
+        let rects = vec![Rect { lo: [t, low], hi: [l - t, d - low] }];
         let attic = Furnished {
             name: &name,
             use_: Use::Attic,
@@ -491,7 +495,7 @@ impl<'a> Drawing<'a> {
             solids: Vec::new(),
             clear,
             windows: Vec::new(),
-            heights: [top, top + PARAPET * MODULE],
+            heights: [top, top + PARAPET * MODULE + low / 2],
         };
         self.furnish(&attic);
     }
@@ -653,6 +657,7 @@ impl<'a> Drawing<'a> {
             ceiling,
             keep_clear: &furnished.clear,
             windows: &furnished.windows,
+            fullness: self.complex.fullness,
             seed,
         };
         let lights = self.lights.next().unwrap_or(1);

@@ -74,7 +74,15 @@ pub fn build1(options: &OfficeOptions) -> Building {
     };
     let attached = vec![Attached { name: "Oblique wing", storeys: vec![wing], bay: 6, degrees: 53.0 }];
     let apse = Some(Apse { radius: 56, facets: 16 });
-    let outline = Outline { name: "Build1", main: vec![main], roof: Roof::Gable, attached, apse, lights: 55 };
+    let outline = Outline {
+        name: "Build1",
+        main: vec![main],
+        roof: Roof::Gable,
+        attached,
+        apse,
+        lights: 55,
+        fullness: 58,
+    };
     draw(&outline.complex(options.furniture, options.seed))
 }
 
@@ -139,7 +147,12 @@ fn storey_of_build2(is_upper_half: bool) -> [Wing; 4] {
 const WAYS_OF_BUILD2: [(&str, usize, f64); 3] =
     [("West wing", 4, 90.0), ("Middle wing", 12, 90.0), ("Oblique wing", 18, 37.0)];
 
-fn like_build2(name: &'static str, storeys: usize, lights: usize, options: &OfficeOptions) -> Building {
+fn like_build2(
+    name: &'static str,
+    storeys: usize,
+    [lights, fullness]: [usize; 2],
+    options: &OfficeOptions,
+) -> Building {
     let plans: Vec<[Wing; 4]> = (0..storeys).map(|k| storey_of_build2(k == 1)).collect();
     let of = |index: usize| plans.iter().map(|plan| plan[index].clone()).collect::<Vec<_>>();
     let attached = WAYS_OF_BUILD2.iter().enumerate().map(|(i, &(name, bay, degrees))| Attached {
@@ -150,18 +163,19 @@ fn like_build2(name: &'static str, storeys: usize, lights: usize, options: &Offi
     });
     let attached = attached.collect();
     let apse = Some(Apse { radius: 60, facets: 24 });
-    let outline = Outline { name, main: of(0), roof: Roof::Flat, attached, apse, lights };
+    let outline =
+        Outline { name, main: of(0), roof: Roof::Flat, attached, apse, lights, fullness: fullness as u32 };
     draw(&outline.complex(options.furniture, options.seed))
 }
 
 /// One storey of 135 rooms: four wings, one of them oblique, and a round end.
 pub fn build2(options: &OfficeOptions) -> Building {
-    like_build2("Build2", 1, 199, options)
+    like_build2("Build2", 1, [199, 89], options)
 }
 
 /// Thirteen storeys of 135 rooms, with an entrance hall over two of them.
 pub fn build3(options: &OfficeOptions) -> Building {
-    like_build2("Build3", 13, 2557, options)
+    like_build2("Build3", 13, [2557, 82], options)
 }
 
 /// What [`tower`] makes.
@@ -219,6 +233,7 @@ pub fn tower(options: &TowerOptions) -> Building {
         attached: Vec::new(),
         apse: Some(Apse { radius: 66, facets: 32 }),
         lights: rooms * 3 / 2,
+        fullness: 100,
     };
     draw(&outline.complex(options.office.furniture, options.office.seed))
 }

@@ -70,7 +70,7 @@ pub fn random(options: &OfficeOptions) -> Building {
     });
     let roof = if has_attic { Roof::Gable } else { Roof::Flat };
     let attached = attached.into_iter().collect();
-    let mut outline = Outline { name: "Random", main, roof, attached, apse, lights: 0 };
+    let mut outline = Outline { name: "Random", main, roof, attached, apse, lights: 0, fullness: 100 };
     outline.lights = storeys * 20 + dice.below(20);
     draw(&outline.complex(options.furniture, options.seed))
 }

@@ -147,7 +147,8 @@ impl<'a> Fitting<'a> {
 
     /// How many faces should show in the end.
     pub fn target(&self) -> u32 {
-        self.room.use_.target(self.area)
+        let usual = u64::from(self.room.use_.target(self.area));
+        u32::try_from(usual * u64::from(self.room.fullness) / 100).unwrap_or(u32::MAX)
     }
 
     /// How many faces more may show before the room is fuller than it should be.

@@ -131,7 +131,17 @@ mod tests {
 
     fn room<'a>(rects: &'a [Rect2], solids: &'a [Rect2]) -> Room<'a> {
         let (keep_clear, windows) = (&[], &[]);
-        Room { use_: Use::Office, rects, solids, floor: 0, ceiling: 2800, keep_clear, windows, seed: 0 }
+        Room {
+            use_: Use::Office,
+            rects,
+            solids,
+            floor: 0,
+            ceiling: 2800,
+            keep_clear,
+            windows,
+            fullness: 100,
+            seed: 0,
+        }
     }
 
     fn rect(west: i32, south: i32, east: i32, north: i32) -> Rect2 {

@@ -142,6 +142,8 @@ pub struct Room<'a> {
     pub keep_clear: &'a [Rect2],
     /// Its windows.
     pub windows: &'a [Window],
+    /// How full it is, per cent of what is usual for its use ([`Use::density`]).
+    pub fullness: u32,
     /// All choices follow from it.
     pub seed: u64,
 }

@@ -34,6 +34,7 @@ impl Owned {
             ceiling,
             keep_clear: &self.keep_clear,
             windows: &self.windows,
+            fullness: 100,
             seed,
         }
     }
