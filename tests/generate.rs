@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use enfilade::generate::{Building, Element, HouseOptions, Kind, house, metres, write};
+use enfilade::generate::{Building, Element, HouseOptions, Kind, Style, house, metres, specimens};
 use serde_json::Value;
 
 /// A point as the file has it, by the bits of its coordinates.
@@ -266,27 +266,56 @@ fn the_seed_changes_identities_and_the_options_are_kept() {
     assert!(ids(&bare).iter().all(|id| ids(&other).contains(id)), "what stays keeps its identity");
 }
 
+/// Everything in `fixtures/`: name and bytes.
+fn all_fixtures() -> Vec<(String, Vec<u8>)> {
+    let house = house(&HouseOptions::default());
+    let (obj, mtl) = house.to_obj("house.mtl");
+    let mut all = vec![
+        ("house.glb".to_owned(), house.to_glb()),
+        ("house.obj".to_owned(), obj.into_bytes()),
+        ("house.mtl".to_owned(), mtl.into_bytes()),
+        ("house.truth.json".to_owned(), house.truth().to_json().into_bytes()),
+    ];
+    for specimen in specimens() {
+        let glb = specimen.building.export(&specimen.style).to_glb();
+        all.push((format!("{}.glb", specimen.name), glb));
+        // Those in a style are all one building.
+        if specimen.style == Style::exact() {
+            let truth = specimen.building.truth().to_json();
+            all.push((format!("{}.truth.json", specimen.name), truth.into_bytes()));
+        }
+    }
+    all
+}
+
 #[test]
 fn fixtures_are_what_the_generator_makes() {
-    let building = house(&HouseOptions::default());
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    if std::env::var_os("ENFILADE_BLESS").is_some_and(|value| value == "1") {
-        write(&building, &fixtures.join("house.glb")).unwrap();
-        write(&building, &fixtures.join("house.obj")).unwrap();
-    }
-    let (obj, mtl) = building.to_obj("house.mtl");
-    let made =
-        [("house.glb", building.to_glb()), ("house.obj", obj.into_bytes()), ("house.mtl", mtl.into_bytes())];
-    for (name, bytes) in made {
+    let bless = std::env::var_os("ENFILADE_BLESS").is_some_and(|value| value == "1");
+    let all = all_fixtures();
+    let whole: usize = all.iter().map(|(_, bytes)| bytes.len()).sum();
+    assert!(whole < 4_000_000, "{whole} bytes in all");
+    for (name, bytes) in &all {
+        if bless {
+            std::fs::write(fixtures.join(name), bytes).unwrap();
+        }
         assert!(bytes.len() < 300_000, "{name} has {} bytes", bytes.len());
         let fixture = std::fs::read(fixtures.join(name)).unwrap();
-        let same = fixture.iter().zip(&bytes).take_while(|(a, b)| a == b).count();
+        let same = fixture.iter().zip(bytes).take_while(|(a, b)| a == b).count();
         assert!(
-            fixture == bytes,
+            fixture == *bytes,
             "fixtures/{name} ({} bytes) and what the generator makes ({} bytes) part at byte {same}; if that is \
              meant, run this test with ENFILADE_BLESS=1",
             fixture.len(),
             bytes.len()
         );
     }
+    let mut there: Vec<String> = std::fs::read_dir(&fixtures)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    there.sort();
+    let mut made: Vec<&String> = all.iter().map(|(name, _)| name).collect();
+    made.sort();
+    assert!(there.iter().eq(made), "nothing else lies there: {there:?}");
 }

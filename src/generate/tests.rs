@@ -403,7 +403,7 @@ fn the_truth_is_what_the_meshes_say() {
             assert!(room.floor_area > 0.0 && room.air.faces["PORTAL"] > 0.0, "{}", element.name);
         }
 
-        assert!(truth.points.len() >= 2000 + 2 * truth.rooms.len(), "{}", truth.points.len());
+        assert!(truth.points.len() >= 300 + 2 * truth.rooms.len(), "{}", truth.points.len());
         for point in truth.points.iter().step_by(7) {
             assert_eq!(at(point.point).map(|e| &e.global_id), Some(&point.id), "{:?}", point.point);
         }

@@ -107,7 +107,7 @@ pub struct PointTruth {
 }
 
 /// Points anywhere in the hull, and in each room.
-const POINTS: usize = 500;
+const POINTS: usize = 300;
 const POINTS_IN_ROOM: usize = 3;
 
 impl Building {
