@@ -1,9 +1,11 @@
 //! Measuring: how fast, and how right.
 
 mod error;
+mod frozen;
 mod speed;
 mod tracers;
 
 pub use error::{ErrorOptions, ErrorReport, ErrorRow, OtherModel, error};
+pub use frozen::{FrozenError, FrozenScene};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, names};

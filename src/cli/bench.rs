@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, Subcommand};
-use enfilade::Scene;
-use enfilade::bench::{ErrorOptions, SpeedOptions, error, names, speed};
-use enfilade::render::{Camera, room_views};
+use enfilade::bench::{ErrorOptions, FrozenScene, SpeedOptions, error, names, speed};
+use enfilade::importers::ImportOptions;
+use enfilade::importers::gltf::read_slice;
+use enfilade::importers::tagging::tag;
+use enfilade::render::{Camera, parse_cameras, room_views};
+use enfilade::{CompileOptions, Scene, compile};
 
 use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
@@ -23,6 +26,7 @@ use super::render::{parse_picture_size, read_cameras};
 Examples:
   enfilade bench house.enf
   enfilade bench house.enf --cams walk.txt --size 1024x1024 --repeat 9 --json
+  enfilade bench --frozen build2
   enfilade bench error house.enf --model house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
@@ -32,8 +36,12 @@ pub struct Arguments {
     #[command(subcommand)]
     what: Option<What>,
     /// The scene (.enf), or a model, which is compiled on the fly.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "frozen")]
     scene: Option<PathBuf>,
+    /// A scene of benches/scenes.toml, made anew and checked by its hash, with its cameras: house, build1, build2,
+    /// build3, tower, random, build1-cad.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["scene", "cams"])]
+    frozen: Option<String>,
     #[command(flatten)]
     common: Common,
 }
@@ -117,17 +125,39 @@ impl Common {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    match (&arguments.what, &arguments.scene) {
-        (Some(What::Error(error)), _) => run_error(error),
-        (None, Some(scene)) => run_speed(scene, &arguments.common),
-        (None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
+    let common = &arguments.common;
+    match (&arguments.what, &arguments.scene, &arguments.frozen) {
+        (Some(What::Error(error)), ..) => run_error(error),
+        (None, Some(scene), _) => run_speed(common, || {
+            let scene = common.scene(scene)?;
+            let views = common.views(&scene)?;
+            Ok((scene, views))
+        }),
+        (None, None, Some(name)) => run_speed(common, || frozen(name)),
+        (None, None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
     }
 }
 
-fn run_speed(scene: &Path, common: &Common) -> Result<Outcome, Failure> {
+/// A frozen scene and its cameras.
+fn frozen(name: &str) -> Result<(Arc<Scene>, Vec<Camera>), Failure> {
+    let frozen = FrozenScene::by_name(name).map_err(|e| Failure::usage(e.to_string()))?;
+    let glb = frozen.glb().map_err(|e| Failure::Input(e.into()))?;
+    let options = ImportOptions::default();
+    let mut model = read_slice(&glb, name, &options).map_err(|e| Failure::Input(e.into()))?;
+    tag(&mut model, &options).map_err(|e| Failure::Input(e.into()))?;
+    let compiled = compile(&model, &CompileOptions::default()).map_err(|e| Failure::Input(e.into()))?;
+    let scene = Arc::new(compiled.scene());
+    let views = parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())
+        .map_err(|e| Failure::Input(e.into()))?;
+    Ok((scene, views))
+}
+
+fn run_speed(
+    common: &Common,
+    load: impl FnOnce() -> Result<(Arc<Scene>, Vec<Camera>), Failure> + Send,
+) -> Result<Outcome, Failure> {
     common.pool().in_pool(|| {
-        let scene = common.scene(scene)?;
-        let views = common.views(&scene)?;
+        let (scene, views) = load()?;
         let mut options = SpeedOptions::default();
         options.size = common.size;
         options.repeat = common.repeat;

@@ -1,0 +1,62 @@
+//! The frozen scenes of benchmarks are still the same.
+
+use std::path::Path;
+
+use enfilade::bench::FrozenScene;
+use enfilade::importers::ImportOptions;
+use enfilade::importers::gltf::read_slice;
+use enfilade::importers::tagging::tag;
+use enfilade::render::{parse_cameras, room_views, write_cameras};
+use enfilade::{CompileOptions, Place, compile};
+
+/// How many cameras a scene has at most.
+const CAMERAS: usize = 16;
+
+#[test]
+fn frozen_scenes_are_what_the_generator_makes() {
+    let bless = std::env::var_os("ENFILADE_BLESS").is_some_and(|value| value == "1");
+    let mut scenes = FrozenScene::all().unwrap();
+    assert!(scenes.len() >= 7);
+    for scene in &mut scenes {
+        let (glb, hash) = scene.glb_and_hash().unwrap();
+        let mut model = read_slice(&glb, &scene.name, &ImportOptions::default()).unwrap();
+        tag(&mut model, &ImportOptions::default()).unwrap();
+        let compiled = compile(&model, &CompileOptions::default()).unwrap().scene();
+        if bless {
+            let views = room_views(&compiled, 2);
+            assert!(!views.is_empty(), "{}", scene.name);
+            let step = views.len().div_ceil(CAMERAS);
+            let chosen: Vec<_> = views.into_iter().step_by(step).collect();
+            scene.cameras = write_cameras(&chosen, &compiled.frame());
+            scene.hash = hash;
+        } else {
+            assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
+        }
+        let cameras = parse_cameras(&scene.cameras, "scenes.toml", &compiled.frame()).unwrap();
+        assert!((CAMERAS / 2..=CAMERAS).contains(&cameras.len()), "{}: {}", scene.name, cameras.len());
+        for camera in cameras {
+            assert!(
+                matches!(compiled.locate(camera.eye()), Place::Air { room: Some(_), .. }),
+                "{}",
+                scene.name
+            );
+        }
+    }
+    if bless {
+        let head =
+            "# Frozen scenes and cameras of benchmarks. Made by tests/frozen.rs with ENFILADE_BLESS=1.\n\n";
+        let file = head.to_owned() + &FrozenScene::to_file(scenes).unwrap();
+        std::fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/scenes.toml"), file).unwrap();
+    }
+}
+
+#[test]
+fn unknown_scenes_are_named() {
+    let error = FrozenScene::by_name("castle").unwrap_err().to_string();
+    assert!(error.contains("'castle'") && error.contains("build3"), "{error}");
+    let mut house = FrozenScene::by_name("house").unwrap();
+    assert!(house.glb().unwrap().starts_with(b"glTF"));
+    house.seed = 7;
+    let error = house.glb().unwrap_err().to_string();
+    assert!(error.contains(&house.hash), "{error}");
+}
