@@ -162,6 +162,12 @@ impl<'a> Fitting<'a> {
         self.region.bounds().unwrap_or(Rect2 { lo: [0; 2], hi: [0; 2] })
     }
 
+    /// The floor from which things are used.
+    #[cfg(test)]
+    pub fn used(&self) -> &[Rect2] {
+        &self.used
+    }
+
     /// A thing of the catalogue.
     pub fn item(&mut self, thing: Thing) -> Arc<Item> {
         self.catalogue.item(thing)
@@ -496,4 +502,118 @@ fn nearest(p: [i32; 2], doubled: impl Iterator<Item = [i64; 2]>) -> i64 {
 /// Whether the insides of two boxes share a point.
 fn share_space(a: &Cuboid, b: &Cuboid) -> bool {
     (0..3).all(|i| a.lo[i] < b.hi[i] && b.lo[i] < a.hi[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::interior::{Use, Window};
+
+    fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect2 {
+        Rect2 { lo: [west, south].map(units), hi: [east, north].map(units) }
+    }
+
+    fn at(x: f64, y: f64, turns: u8) -> Placement {
+        Placement { origin: [units(x), units(y), 0], turns }
+    }
+
+    const CUPBOARD: Thing = Thing::Cupboard { w: 100, h: 195, doors: 2, is_dark: false };
+
+    /// A room of 4 by 3 m with a door in the west and one in the east, and a window in the north.
+    fn with_room(use_: Use, test: impl FnOnce(&mut Fitting)) {
+        let rects = [rect(0.0, 0.0, 4.0, 3.0)];
+        let keep_clear = [rect(0.0, 1.0, 0.8, 2.0), rect(3.2, 1.0, 4.0, 2.0)];
+        let windows = [Window { from: [1024, 3072], to: [3072, 3072], sill: units(0.9) }];
+        let (floor, ceiling) = (0, units(2.6));
+        let room = Room {
+            use_,
+            rects: &rects,
+            solids: &[],
+            floor,
+            ceiling,
+            keep_clear: &keep_clear,
+            windows: &windows,
+            seed: 0,
+        };
+        test(&mut Fitting::new(&mut Catalogue::default(), &room).unwrap());
+    }
+
+    #[test]
+    fn things_stand_where_nothing_is_in_their_way() {
+        with_room(Use::Office, |f| {
+            let cupboard = Group::alone(&f.item(CUPBOARD), units(0.5));
+            assert!(!f.put(&cupboard, &at(3.5, 0.0, 0)), "it would go through the wall");
+            assert!(!f.put(&cupboard, &at(0.0, 1.5, 0)), "a door");
+            assert!(!f.put(&cupboard, &at(2.0, 3.0, 2)), "it would hide the window");
+            assert!(f.put(&cupboard, &at(1.0, 0.0, 0)));
+            assert!(!f.put(&cupboard, &at(1.9, 0.0, 0)), "one stands there");
+            assert!(f.put(&cupboard, &at(2.0, 0.0, 0)), "side by side");
+            let bin = Group::alone(&f.item(Thing::Bin), 0);
+            assert!(!f.put(&bin, &at(1.5, 0.5, 0)), "in front of the doors");
+            assert!(f.put(&bin, &at(1.5, 1.0, 0)));
+            assert!(f.put(&bin, &at(2.0, 2.7, 0)), "lower than the sill");
+            let picture = Group::alone(&f.item(Thing::Picture { w: 50, h: 70, color: 0 }), 0);
+            assert!(!f.put(&picture, &at(2.0, 0.0, 0)), "a cupboard is there");
+            assert!(f.put(&picture, &at(0.0, 0.7, 3)), "beside the door");
+            assert!(!f.put(&picture, &at(0.0, 1.3, 3)), "on the door");
+            let rack = Group::alone(&f.item(Thing::Rack { w: 100, pattern: 0 }), 0);
+            assert!(f.put(&rack, &at(3.0, 0.0, 0)), "2 m are high enough");
+            assert_eq!(f.faces(), f.placed.iter().map(|p| p.faces).sum::<u32>());
+        });
+    }
+
+    #[test]
+    fn hung_things_may_be_over_used_floor_and_low_ones_not() {
+        with_room(Use::Office, |f| {
+            let cupboard = Group::alone(&f.item(CUPBOARD), units(0.9));
+            assert!(f.put(&cupboard, &at(0.0, 1.0, 3)));
+            let clock = Group::alone(&f.item(Thing::Clock), 0);
+            let bin = Group::alone(&f.item(Thing::Bin), 0);
+            assert!(!f.put(&bin, &at(0.6, 0.0, 0)));
+            assert!(f.put(&clock, &at(0.6, 0.0, 0)));
+            // And nothing is put where its own floor is taken.
+            assert!(f.put(&bin, &at(2.0, 0.5, 0)));
+            assert!(!f.put(&cupboard, &at(1.6, 0.0, 0)));
+        });
+    }
+
+    #[test]
+    fn ways_are_left() {
+        // A table from the southern wall on, so long in centimetres, across the way between the doors.
+        let barrier = |f: &mut Fitting, w: u16| {
+            let table = f.item(Thing::Table { w, d: 40, h: 74 });
+            f.put(&Group::alone(&table, 0), &at(2.2, 0.0, 1))
+        };
+        with_room(Use::Office, |f| assert!(!barrier(f, 260), "0.4 m are left"));
+        with_room(Use::Office, |f| assert!(barrier(f, 230), "0.7 m are left"));
+        with_room(Use::Corridor, |f| assert!(!barrier(f, 230), "too little in a corridor"));
+        with_room(Use::Corridor, |f| assert!(barrier(f, 160)));
+        // A table along the southern wall that is used from behind.
+        let behind = |f: &mut Fitting, w: u16| {
+            let mut table = Group::alone(&f.item(Thing::Table { w, d: 30, h: 74 }), 0);
+            table.used.push(Rect2 { lo: [0, -units(0.6)], hi: [units(2.0), 0] });
+            f.put(&table, &at(0.0, 0.6, 0))
+        };
+        with_room(Use::Office, |f| assert!(behind(f, 300)));
+        with_room(Use::Office, |f| assert!(!behind(f, 400), "nobody gets there"));
+    }
+
+    #[test]
+    fn the_best_place_is_taken_first() {
+        with_room(Use::Office, |f| {
+            let plant = Group::alone(&f.item(Thing::SmallPlant), 0);
+            let far_from_light = Wish { window: -20, corner: 20, ..Wish::default() };
+            assert!(f.against_wall(&plant, &far_from_light));
+            let under = Rect2::under(&f.stands[0].bounds);
+            assert!(under.lo[1] == 0 && (under.lo[0] == 0 || under.hi[0] == units(4.0)), "{under:?}");
+            assert!(f.in_corner(&plant, true, &Wish { facing: Some((1, 50)), ..Wish::default() }));
+            let placed = f.placed[1].place;
+            assert_eq!(
+                (placed.turns, placed.origin),
+                (1, [units(4.0), if under.hi[0] == units(4.0) { placed.origin[1] } else { 0 }, 0])
+            );
+            let names: Vec<String> = f.placed.iter().map(|p| p.name.clone()).collect();
+            assert_eq!(names, ["Plant", "Plant"]);
+        });
+    }
 }

@@ -21,7 +21,8 @@ pub fn living(f: &mut Fitting) {
     let mut group = Group { size: [w, d + gap + table.size[1]], ..Group::default() };
     group.put(&sofa, [0, 0], 0);
     group.put(&table, [(w - table.size[0]) / 2, d + gap], 0);
-    group.used.push(Rect2 { lo: [0, d], hi: [w, d + gap] });
+    // One comes to the table's far side, or past it.
+    group.used.push(Rect2 { lo: [0, d], hi: [w, group.size[1] + units(0.45)] });
     let facing = f.random.below(4) as u8;
     let middle = Wish { middle: 2, chance: 2, ..Wish::default() };
     f.against_wall(&group, &Wish { facing: Some((facing, 6)), ..middle });

@@ -180,7 +180,11 @@ impl Furnisher {
 
     /// What stands in a room. The same room always gets the same.
     pub fn furnish(&mut self, room: &Room) -> Vec<Placed> {
-        let Some(mut fitting) = fitting::Fitting::new(&mut self.catalogue, room) else { return Vec::new() };
+        self.fitted(room).map_or_else(Vec::new, fitting::Fitting::finish)
+    }
+
+    fn fitted<'a>(&'a mut self, room: &'a Room<'a>) -> Option<fitting::Fitting<'a>> {
+        let mut fitting = fitting::Fitting::new(&mut self.catalogue, room)?;
         match room.use_ {
             Use::Office => work::office(&mut fitting),
             Use::OpenOffice => work::open_office(&mut fitting),
@@ -202,6 +206,6 @@ impl Furnisher {
             Use::Bath => home::bath(&mut fitting),
             Use::Attic => home::attic(&mut fitting),
         }
-        fitting.finish()
+        Some(fitting)
     }
 }

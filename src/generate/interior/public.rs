@@ -80,6 +80,8 @@ fn seats(f: &mut Fitting, wish: &Wish) -> bool {
     let armchair = f.item(Thing::ClubChair { is_red });
     let [w, d] = sofa.size;
     let gap = units(0.4);
+    // One comes to the table's far side, or past it.
+    let reach = d + gap + table.size[1] + units(0.45);
     let with_armchair = |is_right: bool| {
         let arm_d = armchair.size[1];
         let mut group = Group { size: [w + gap + arm_d, d + gap + table.size[1]], ..Group::default() };
@@ -87,13 +89,13 @@ fn seats(f: &mut Fitting, wish: &Wish) -> bool {
         group.put(&sofa, [sofa_u, 0], 0);
         group.put(&table, [sofa_u + (w - table.size[0]) / 2, d + gap], 0);
         group.put(&armchair, [arm_u, d + units(0.1)], turns);
-        group.used.push(Rect2 { lo: [sofa_u, d], hi: [sofa_u + w, d + gap] });
+        group.used.push(Rect2 { lo: [sofa_u, d], hi: [sofa_u + w, reach] });
         group
     };
     let mut alone = Group { size: [w, d + gap + table.size[1]], ..Group::default() };
     alone.put(&sofa, [0, 0], 0);
     alone.put(&table, [(w - table.size[0]) / 2, d + gap], 0);
-    alone.used.push(Rect2 { lo: [0, d], hi: [w, d + gap] });
+    alone.used.push(Rect2 { lo: [0, d], hi: [w, reach] });
     let is_right = f.random.flip();
     let groups = [with_armchair(is_right), with_armchair(!is_right), alone];
     groups.iter().any(|group| group.faces() <= f.budget() && f.against_wall(group, wish))

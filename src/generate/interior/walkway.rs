@@ -65,7 +65,7 @@ impl Walkway {
         waiting.iter_mut().for_each(|cells| cells.retain(|&cell| walkway.open[cell]));
         waiting.retain(|cells| !cells.is_empty());
         while let Some(first) = waiting.first() {
-            let reached = walkway.reached(&first[..1]);
+            let reached = walkway.reached(first);
             let (together, others) = waiting.into_iter().partition(|cells| cells.iter().any(|&c| reached[c]));
             walkway.doors.push(together);
             waiting = others;
@@ -150,10 +150,8 @@ impl Walkway {
     fn is_connected(&self) -> bool {
         let mut walked = vec![false; self.open.len()];
         for doors in &self.doors {
-            let Some(start) = doors.first().and_then(|cells| cells.iter().find(|&&c| self.open[c])) else {
-                return false;
-            };
-            let reached = self.reached(&[*start]);
+            let start: Vec<usize> = doors[0].iter().copied().filter(|&cell| self.open[cell]).collect();
+            let reached = self.reached(&start);
             if doors.iter().any(|cells| !cells.iter().any(|&cell| reached[cell])) {
                 return false;
             }

@@ -292,10 +292,12 @@ pub fn conference(f: &mut Fitting) {
     let enough = f.target() * 17 / 20;
     let audience = Spacing { gap: [units(1.0), units(0.45)], margin: units(0.7), is_audience: true };
     let longest = (4 + f.random.below(5)) as i32;
-    for seats in [longest, longest.min(6) - 1, 2] {
+    for seats in [longest, 4, 2] {
         let row = Group::row(&chair, seats, units(0.42));
         let left = enough.saturating_sub(f.faces()) / row.faces().max(1);
-        f.rows(&row, &[look], &audience, left);
+        if f.rows(&row, &[look], &audience, left) > 0 {
+            break;
+        }
     }
     let pattern = f.random.below(64) as u8;
     f.fill(&[
@@ -332,10 +334,8 @@ pub fn classroom(f: &mut Fitting) {
     pair.used.push(Rect2 { lo: [0, 0], hi: [w, units(0.6)] });
     let enough = f.target() * 17 / 20;
     let audience = Spacing { gap: [units(0.65), units(0.3)], margin: units(0.5), is_audience: true };
-    for _ in 0..3 {
-        let left = enough.saturating_sub(f.faces()) / pair.faces().max(1);
-        f.rows(&pair, &[look], &audience, left);
-    }
+    let left = enough.saturating_sub(f.faces()) / pair.faces().max(1);
+    f.rows(&pair, &[look], &audience, left);
     let pattern = f.random.below(64) as u8;
     f.fill(&[
         Filler::new(Thing::Cupboard { w: 100, h: 195, doors: 2, is_dark: false }, 60, Wish::STORAGE, 2),
