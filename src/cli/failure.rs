@@ -52,7 +52,31 @@ impl Failure {
                 (error, 4)
             }
         };
-        eprintln!("enfilade: {error:#}");
+        eprintln!("enfilade: {}", told(&error));
         ExitCode::from(code)
+    }
+}
+
+/// An error and its causes; a cause that its error already tells is not told again.
+fn told(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_are_told_once() {
+        let io = || std::io::Error::other("no space");
+        let error = anyhow::Error::new(io()).context("a.png: no space");
+        assert_eq!(told(&error), "a.png: no space");
+        assert_eq!(told(&anyhow::Error::new(io()).context("a.png")), "a.png: no space");
     }
 }

@@ -533,6 +533,7 @@ mod tests {
             ceiling,
             keep_clear: &keep_clear,
             windows: &windows,
+            fullness: 100,
             seed: 0,
         };
         test(&mut Fitting::new(&mut Catalogue::default(), &room).unwrap());
