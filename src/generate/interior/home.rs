@@ -4,9 +4,10 @@ use crate::generate::lattice::units;
 
 use super::Rect2;
 use super::catalogue::Thing;
-use super::fitting::{Filler, Fitting, Wish};
+use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
 use super::service::counters;
+use super::wish::{Filler, Wish};
 
 /// A television opposite a sofa, a table to eat at in larger rooms.
 pub fn living(f: &mut Fitting) {

@@ -28,6 +28,7 @@ mod service;
 mod spacing;
 mod uses;
 mod walkway;
+mod wish;
 mod work;
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use crate::generate::lattice::units;
 
 use super::Rect2;
 use super::catalogue::Thing;
-use super::fitting::{Filler, Fitting, Wish};
+use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
 use super::spacing::Spacing;
+use super::wish::{Filler, Wish};
 
 /// Along a way: anywhere on its walls.
 const ALONG: Wish = Wish { corner: 0, window: 0, door: 0, middle: 0, facing: None, chance: 20 };

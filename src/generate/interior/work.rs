@@ -4,9 +4,10 @@ use crate::generate::lattice::units;
 
 use super::Rect2;
 use super::catalogue::Thing;
-use super::fitting::{Filler, Fitting, Wish};
+use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
 use super::spacing::Spacing;
+use super::wish::{Filler, Wish};
 
 /// What offices are filled with: what is kept in them, then small things.
 fn office_fillers(pattern: u8) -> [Filler; 14] {

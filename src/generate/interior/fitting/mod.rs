@@ -1,16 +1,19 @@
 //! A room being furnished: what stands in it, and where more fits.
 
+mod floor;
+mod walls;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::generate::lattice::{Cuboid, Placement, units};
 
 use super::catalogue::{Catalogue, Item, Thing};
-use super::group::{Group, Part, corner_at, within};
+use super::group::{Group, Part, within};
 use super::random::Random;
 use super::region::{FAR, Region, Wall};
-use super::spacing::Spacing;
 use super::walkway::Walkway;
+use super::wish::{Filler, Wish};
 use super::{HEADROOM, MOST_RECTS, Placed, Rect2, Room};
 
 /// Width of the way to a thing, metres.
@@ -25,57 +28,6 @@ struct Stand {
     boxes: Vec<Cuboid>,
     /// Whether one walks past it as if it were not there.
     is_hung: bool,
-}
-
-/// Where a group would best stand against a wall. Each number is what a metre of distance costs; negative: far is
-/// better. All places differ a little by chance.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Wish {
-    /// What it is worth to stand in a corner or beside something, in metres.
-    pub corner: i32,
-    /// From the nearest window.
-    pub window: i32,
-    /// From the nearest door.
-    pub door: i32,
-    /// From the wall's middle.
-    pub middle: i32,
-    /// What it is worth to look in a direction, in quarter turns, in metres.
-    pub facing: Option<(u8, i32)>,
-    /// How many metres chance is worth.
-    pub chance: i32,
-}
-
-impl Wish {
-    /// In a corner or beside something, away from windows: where cupboards stand.
-    pub const STORAGE: Wish = Wish { corner: 3, window: -1, door: 0, middle: 0, facing: None, chance: 2 };
-    /// In the light.
-    pub const LIGHT: Wish = Wish { corner: 1, window: 2, door: 0, middle: 0, facing: None, chance: 1 };
-    /// Near the door.
-    pub const ENTRY: Wish = Wish { corner: 2, window: 0, door: 2, middle: 0, facing: None, chance: 1 };
-    /// Anywhere in a corner.
-    pub const CORNER: Wish = Wish { corner: 4, window: 0, door: 0, middle: 0, facing: None, chance: 4 };
-    /// Amid a wall.
-    pub const WALL: Wish = Wish { corner: 0, window: 0, door: 0, middle: 1, facing: None, chance: 3 };
-}
-
-/// A small thing to fill a room with.
-#[derive(Clone, Copy, Debug)]
-pub struct Filler {
-    /// What it is.
-    pub thing: Thing,
-    /// How much floor in front of it is kept to use it, centimetres.
-    pub front: i32,
-    /// Where.
-    pub wish: Wish,
-    /// How many of it at most; in small rooms.
-    pub most: u32,
-}
-
-impl Filler {
-    /// A filler.
-    pub const fn new(thing: Thing, front: i32, wish: Wish, most: u32) -> Filler {
-        Filler { thing, front, wish, most }
-    }
 }
 
 /// A room being furnished.
@@ -263,173 +215,10 @@ impl<'a> Fitting<'a> {
         item.faces - hidden.map(|(_, faces)| faces).sum::<u32>()
     }
 
-    /// Puts a group with its back to the wall where it fits best.
-    pub fn against_wall(&mut self, group: &Group, wish: &Wish) -> bool {
-        let mut places = Vec::new();
-        for wall in 0..self.walls.len() {
-            let wall = self.walls[wall];
-            let room = wall.length - group.size[0];
-            if room < 0 {
-                continue;
-            }
-            let (touching, between) = self.offsets(&wall, group.size, room);
-            for (offsets, touches) in [(touching, true), (between, false)] {
-                for offset in offsets {
-                    let score = self.score(&wall, group.size, offset, wish, touches);
-                    places.push((score, along(&wall, offset)));
-                }
-            }
-        }
-        places.sort_by_key(|&(score, place)| (std::cmp::Reverse(score), place.turns, place.origin));
-        places.iter().any(|(_, place)| self.put(group, place))
-    }
-
     /// Puts one thing against a wall, unless the room would be too full then.
     pub fn add(&mut self, thing: Thing, front: i32, wish: &Wish) -> bool {
         let item = self.item(thing);
         item.faces <= self.budget() && self.against_wall(&Group::alone(&item, front), wish)
-    }
-
-    /// Puts a group into a corner of the room: that on its right, seen from behind it, if `is_right`, where u = 0; else
-    /// that on its left.
-    pub fn in_corner(&mut self, group: &Group, is_right: bool, wish: &Wish) -> bool {
-        let mut places = Vec::new();
-        for wall in 0..self.walls.len() {
-            let wall = self.walls[wall];
-            let room = wall.length - group.size[0];
-            let offset = if is_right { 0 } else { room };
-            // Where the wall ends at an edge that juts into the room, there is no corner.
-            let end = if is_right { -1 } else { wall.length };
-            let beyond = Rect2 { lo: [end, 0], hi: [end + 1, group.size[1]] }.placed(&along(&wall, 0));
-            if room >= 0 && self.region.misses(&beyond) {
-                places.push((self.score(&wall, group.size, offset, wish, true), along(&wall, offset)));
-            }
-        }
-        places.sort_by_key(|&(score, place)| (std::cmp::Reverse(score), place.turns, place.origin));
-        places.iter().any(|(_, place)| self.put(group, place))
-    }
-
-    /// Offsets along a wall: where a group of a size would touch a corner or something, and others.
-    fn offsets(&self, wall: &Wall, [w, d]: [i32; 2], room: i32) -> (Vec<i32>, Vec<i32>) {
-        let mut ends = vec![0, wall.length];
-        let strip = Rect2 { lo: [0, 0], hi: [wall.length, d.max(1)] }.placed(&along(wall, 0));
-        let stands = self.stands.iter().map(|s| Rect2::under(&s.bounds));
-        let fronts = self.window_fronts.iter().map(|(front, _)| *front);
-        for rect in stands.chain(self.room.keep_clear.iter().copied()).chain(fronts) {
-            if !rect.is_empty() && rect.overlaps(&strip) {
-                let near = Rect2 {
-                    lo: [0, 1].map(|i| rect.lo[i].max(strip.lo[i])),
-                    hi: [0, 1].map(|i| rect.hi[i].min(strip.hi[i])),
-                };
-                ends.extend(from_start(wall, &near));
-            }
-        }
-        ends.sort_unstable();
-        ends.dedup();
-        let mut touching: Vec<i32> = ends.iter().flat_map(|&end| [end, end - w]).collect();
-        let mut between: Vec<i32> = ends.windows(2).map(|pair| (pair[0] + pair[1] - w) / 2).collect();
-        let step = units(0.25).max(room / 32);
-        between.extend((1..).map(|i| i * step).take_while(|&offset| offset < room));
-        for offsets in [&mut touching, &mut between] {
-            offsets.retain(|offset| (0..=room).contains(offset));
-            offsets.sort_unstable();
-            offsets.dedup();
-        }
-        (touching, between)
-    }
-
-    fn score(&mut self, wall: &Wall, [w, _]: [i32; 2], offset: i32, wish: &Wish, touches: bool) -> i64 {
-        let [x, y, _] = along(wall, offset).point([w / 2, 0, 0]);
-        let doors = self.room.keep_clear.iter().map(Rect2::doubled_middle);
-        let windows = self.room.windows.iter().map(|w| Rect2::between(w.from, w.to).doubled_middle());
-        let to_door = nearest([x, y], doors);
-        let to_window = nearest([x, y], windows);
-        let to_middle = (i64::from(offset) + i64::from(w / 2) - i64::from(wall.length / 2)).abs();
-        let faces =
-            wish.facing.map_or(0, |(turns, worth)| if turns == wall.turns { i64::from(worth) } else { 0 });
-        let chance = i64::from(self.random.below(1024 * wish.chance.max(0) as u32 + 256));
-        1024 * (faces + if touches { i64::from(wish.corner) } else { 0 }) + chance
-            - i64::from(wish.window) * to_window
-            - i64::from(wish.door) * to_door
-            - i64::from(wish.middle) * to_middle
-    }
-
-    /// Hangs a radiator under each window that leaves room for one.
-    pub fn radiators(&mut self) {
-        let windows = self.room.windows;
-        for window in windows {
-            let span = Rect2::between(window.from, window.to);
-            let sill = i64::from(window.sill) - i64::from(self.floor);
-            let h = if sill >= i64::from(units(0.85)) { 60 } else { 35 };
-            if sill < i64::from(units(0.55)) {
-                continue;
-            }
-            for wall in 0..self.walls.len() {
-                let wall = self.walls[wall];
-                let along_x = wall.turns.is_multiple_of(2);
-                let across = usize::from(along_x);
-                let apart = span.lo[across].abs_diff(wall.start[across]);
-                let [from, to] = from_start(&wall, &span);
-                let [from, to] = [from.clamp(0, wall.length), to.clamp(0, wall.length)];
-                if along_x != window.is_along_x() || apart > 64 || to - from < units(0.4) {
-                    continue;
-                }
-                let cm = ((to - from) / 1024 * 100 + (to - from) % 1024 * 100 / 1024).min(200) / 20 * 20;
-                let item = self.item(Thing::Radiator { w: cm as u16, h });
-                let offset = from + (to - from - item.size[0]) / 2;
-                self.put(&Group::alone(&item, 0), &along(&wall, offset));
-            }
-        }
-    }
-
-    /// The floor that nothing stands on and nobody needs.
-    fn free(&self) -> Region {
-        let stands = self.stands.iter().filter(|s| !s.is_hung).map(|s| Rect2::under(&s.bounds));
-        self.region
-            .without(stands.chain(self.used.iter().copied()).chain(self.room.keep_clear.iter().copied()))
-    }
-
-    /// Puts a group into the middle of the largest free part of the floor, or near it; turned in one of some ways.
-    pub fn in_the_middle(&mut self, group: &Group, turns: &[u8]) -> bool {
-        let free = self.free();
-        turns.iter().any(|&turns| {
-            let size = group.turned_size(turns);
-            let Some(rect) = free.largest(|s| s[0] >= size[0] && s[1] >= size[1]) else { return false };
-            let room = [0, 1].map(|i| rect.size()[i] - size[i]);
-            // The middle, then further and further from it.
-            let steps = [4, 3, 5, 2, 6, 1, 7, 0, 8];
-            steps.iter().flat_map(|&i| steps.map(|j| (i, j))).any(|(i, j)| {
-                let lo = [rect.lo[0] + room[0] / 8 * i, rect.lo[1] + room[1] / 8 * j];
-                self.put(group, &corner_at(group.size, lo, turns))
-            })
-        })
-    }
-
-    /// Puts groups in rows and columns into the largest free part of the floor, at least `gap` apart along u and v and
-    /// `margin` off its edges, until there are `enough`; how many stand. The first of some turns with which some fit.
-    pub fn rows(&mut self, group: &Group, turns: &[u8], spacing: &Spacing, enough: u32) -> u32 {
-        let free = self.free();
-        let Spacing { gap, margin, .. } = *spacing;
-        if enough == 0 {
-            return 0;
-        }
-        for &turns in turns {
-            let size = group.turned_size(turns);
-            let gap = if turns.is_multiple_of(2) { gap } else { [gap[1], gap[0]] };
-            let least = size.map(|s| s + 2 * margin);
-            let Some(rect) = free.largest(|s| s[0] >= least[0] && s[1] >= least[1]) else { continue };
-            let rect = rect.grown(-margin);
-            let fit = [0, 1].map(|i| (rect.size()[i] + gap[i]) / (size[i] + gap[i]));
-            let mut count = 0;
-            for [x, y] in spacing.places(&rect, size, gap, fit, turns, enough) {
-                let place = corner_at(group.size, [x, y], turns);
-                count += u32::from(count < enough && self.put(group, &place));
-            }
-            if count > 0 {
-                return count;
-            }
-        }
-        0
     }
 
     /// Adds small things until the room shows as many faces as it should, or no more fit.
@@ -476,27 +265,6 @@ impl<'a> Fitting<'a> {
         }
         placed
     }
-}
-
-/// The placement of something `offset` along a wall.
-fn along(wall: &Wall, offset: i32) -> Placement {
-    let start = Placement { origin: [wall.start[0], wall.start[1], 0], turns: wall.turns };
-    Placement { origin: start.point([offset, 0, 0]), ..start }
-}
-
-/// From where to where along a wall a rectangle reaches.
-fn from_start(wall: &Wall, rect: &Rect2) -> [i32; 2] {
-    let axis = usize::from(!wall.turns.is_multiple_of(2));
-    let [lo, hi] = [rect.lo[axis], rect.hi[axis]].map(|c| c.clamp(-FAR, FAR) - wall.start[axis]);
-    // u points to +x, +y, -x, -y.
-    if wall.turns < 2 { [lo, hi] } else { [-hi, -lo] }
-}
-
-/// The distance from a point to the nearest of some points given in doubled coordinates, along the axes; 0 if there
-/// is none.
-fn nearest(p: [i32; 2], doubled: impl Iterator<Item = [i64; 2]>) -> i64 {
-    let distance = |q: [i64; 2]| (0..2).map(|i| (q[i] / 2 - i64::from(p[i])).abs()).sum::<i64>();
-    doubled.map(distance).min().unwrap_or(0)
 }
 
 /// Whether the insides of two boxes share a point.
