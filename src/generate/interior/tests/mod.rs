@@ -11,6 +11,8 @@ use crate::generate::lattice::PER_METRE;
 use crate::generate::palette;
 use crate::generate::patches::{Surface, patches};
 use crate::generate::plan::Plan;
+use crate::importers::tagging::tag;
+use crate::importers::{Frame, ImportOptions, Material, ModelBuilder, NewElement, Role};
 
 /// A room that owns its parts.
 #[derive(Clone, Debug)]
@@ -208,6 +210,31 @@ fn faces_are_counted_as_they_are_drawn() {
             let opaque = |m: &u32| !materials[*m as usize].is_see_through();
             assert!(piece.piece.boxes.iter().filter_map(|(_, m)| m.as_ref()).all(opaque), "{}", piece.name);
         }
+    }
+}
+
+/// What a reader makes of the classes, by its own rules, is what the pieces are.
+#[test]
+fn classes_mean_what_pieces_are() {
+    let placed: Vec<Placed> = all_placed().into_iter().flat_map(|(_, placed)| placed).collect();
+    let mut builder = ModelBuilder::new("pieces.glb", Frame::GLTF);
+    let material = builder.material(Material::default());
+    for (i, piece) in placed.iter().enumerate() {
+        let new = NewElement {
+            id: i.to_string(),
+            source_name: format!("{}:{}", piece.class, piece.name),
+            class: Some(piece.class.to_owned()),
+            ..NewElement::default()
+        };
+        let element = builder.element(new).unwrap();
+        builder.triangle(element, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], material).unwrap();
+    }
+    let mut model = builder.finish().unwrap();
+    tag(&mut model, &ImportOptions::default()).unwrap();
+    assert_eq!(model.elements.len(), placed.len());
+    for (element, piece) in model.elements.iter().zip(&placed) {
+        assert_eq!(element.semantic, piece.semantic, "{} {}", piece.class, piece.name);
+        assert_eq!(piece.semantic.role(), Some(Role::Detail));
     }
 }
 
