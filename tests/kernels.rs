@@ -182,3 +182,21 @@ proptest! {
         prop_assert_eq!(compare(&triangles, &rays), 0);
     }
 }
+
+#[test]
+fn a_ray_in_the_plane_of_a_triangle_does_not_meet_it_anywhere() {
+    // A wall's upright face, turned, off the grid, and the slab on it; the ray runs up in the face.
+    let origin = [-0.236_478_377_007_524_2, 4.932_513_851_564_961, -5.424_996_974_234_070_5];
+    let at = |p: [f64; 3]| [0, 1, 2].map(|i| origin[i] + p[i]);
+    let top = 0.670_309_474_234_067_6;
+    let (near, far) = (
+        at([-0.138_912_247_969_192_74, -0.546_966_976_378_696_4, top]),
+        at([1.017_337_752_030_807_3, 4.005_767_398_621_304, top]),
+    );
+    let low = at([0.017_337_752_030_807_257, 0.068_267_398_621_303_6, 0.060_934_474_234_067_615]);
+    let wall = [far, low, near];
+    let slab = [near, far, at([6.062_259_627_030_807, 2.724_517_398_621_303_6, top])];
+    let scene = compile(&soup(&[wall, slab]), &CompileOptions::default()).unwrap().scene();
+    let hit = scene.trace_from(Start::Cell(0), &Ray::new(origin, [0.0, 0.0, 1.0]), Want::LEAST);
+    assert_eq!((hit.triangle, hit.t), (1, top), "not somewhere on the wall");
+}

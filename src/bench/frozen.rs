@@ -94,25 +94,15 @@ impl FrozenScene {
     /// # Errors
     /// [`FrozenError::File`] if there is no such generator.
     pub fn building(&self) -> Result<Building, FrozenError> {
-        let office = || {
-            let mut options = OfficeOptions::default();
-            options.seed = self.seed;
-            options
-        };
+        let office = || OfficeOptions { seed: self.seed, ..OfficeOptions::default() };
         Ok(match self.building.as_str() {
-            "house" => {
-                let mut options = HouseOptions::default();
-                options.seed = self.seed;
-                house(&options)
-            }
+            "house" => house(&HouseOptions { seed: self.seed, ..HouseOptions::default() }),
             "build1" => build1(&office()),
             "build2" => build2(&office()),
             "build3" => build3(&office()),
             "tower" => {
-                let mut options = TowerOptions::default();
-                options.office = office();
-                options.storeys = self.storeys.unwrap_or(options.storeys);
-                tower(&options)
+                let usual = TowerOptions::default();
+                tower(&TowerOptions { storeys: self.storeys.unwrap_or(usual.storeys), office: office() })
             }
             "random" => random(&office()),
             other => return Err(FrozenError::File(format!("no building '{other}'"))),

@@ -287,7 +287,8 @@ impl<'a> Drawing<'a> {
             if floor.goes_up() && room.use_ == Use::Stair {
                 solids.extend(floor.stair(room).map(|stair| floor.rect(&stair.flights())));
             }
-            let clear = floor.plan.clear_of_doors(index).iter().map(|r| floor.rect(r)).collect();
+            let doors = floor.plan.clear_of_doors(index);
+            let clear = doors.iter().map(|r| floor.rect(r)).chain(self.clear_of_ways(floor)).collect();
             let windows = floor.plan.windows_of(index).map(|hole| floor.window(hole)).collect();
             self.furnish(&Furnished {
                 name: &name,
@@ -403,6 +404,19 @@ impl<'a> Drawing<'a> {
             let space = upright(rect, [floor.z, floor.z + 23 * MODULE]);
             self.pierce(&floor.name(&format!("Way {}", i + 1)), space, 0, Filling::Nothing, walls[north]);
         }
+    }
+
+    /// The floor in front of ways between wings.
+    fn clear_of_ways(&self, floor: &Floor<'_>) -> Vec<Rect> {
+        let [_, depth] = floor.placed.size();
+        let before = 12 * floor.placed.module();
+        if floor.placed.origin == [0, 0] {
+            let inside = depth - OUTER * MODULE;
+            let way = |&[west, east]: &[i32; 2]| Rect { lo: [west, inside - before], hi: [east, inside] };
+            return self.complex.ways.iter().map(way).collect();
+        }
+        let [south, north] = floor.wing.corridor_rows().map(|m| m * floor.placed.module());
+        vec![Rect { lo: [0, south], hi: [before, north] }]
     }
 
     /// The slab over the uppermost storey, gravel, and a parapet.

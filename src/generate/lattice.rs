@@ -62,6 +62,52 @@ pub struct Rect {
     pub hi: [i32; 2],
 }
 
+impl Rect {
+    /// The rectangle with two opposite corners, in any order.
+    pub fn between(a: [i32; 2], b: [i32; 2]) -> Rect {
+        Rect { lo: [0, 1].map(|i| a[i].min(b[i])), hi: [0, 1].map(|i| a[i].max(b[i])) }
+    }
+
+    /// What a box covers of the plan.
+    pub fn under(cuboid: &Cuboid) -> Rect {
+        Rect { lo: [cuboid.lo[0], cuboid.lo[1]], hi: [cuboid.hi[0], cuboid.hi[1]] }
+    }
+
+    /// Whether it has no area.
+    pub fn is_empty(&self) -> bool {
+        self.lo[0] >= self.hi[0] || self.lo[1] >= self.hi[1]
+    }
+
+    /// Whether the insides of two rectangles, which are not empty, share a point.
+    pub fn overlaps(&self, other: &Rect) -> bool {
+        (0..2).all(|i| self.lo[i] < other.hi[i] && other.lo[i] < self.hi[i])
+    }
+
+    /// Its width and height; right below 2^31 units.
+    pub fn size(&self) -> [i32; 2] {
+        [0, 1].map(|i| self.hi[i].saturating_sub(self.lo[i]))
+    }
+
+    /// Twice its middle.
+    pub fn doubled_middle(&self) -> [i64; 2] {
+        [0, 1].map(|i| i64::from(self.lo[i]) + i64::from(self.hi[i]))
+    }
+
+    /// Where a rectangle of a thing's own frame is.
+    pub fn placed(&self, place: &Placement) -> Rect {
+        let at = |[u, v]: [i32; 2]| {
+            let [x, y, _] = place.point([u, v, 0]);
+            [x, y]
+        };
+        Rect::between(at(self.lo), at(self.hi))
+    }
+
+    /// Larger by `by` on all sides.
+    pub fn grown(&self, by: i32) -> Rect {
+        Rect { lo: self.lo.map(|c| c.saturating_sub(by)), hi: self.hi.map(|c| c.saturating_add(by)) }
+    }
+}
+
 /// Where a thing drawn in its own frame stands: turned by quarter turns about the vertical, then moved.
 ///
 /// In its own frame a thing that belongs to a wall has u along the wall, v from the wall into the room, and the

@@ -28,8 +28,6 @@ mod furniture;
 mod global_id;
 mod holes;
 mod house;
-// Until the generators of office buildings furnish their rooms with it, only its tests use it.
-#[cfg_attr(not(test), allow(dead_code, unused_imports))]
 mod interior;
 mod joinery;
 mod lattice;

@@ -23,7 +23,8 @@ pub fn random(options: &OfficeOptions) -> Building {
     let ends = [if has_apse { End::Passage } else { End::Window }, dice.pick(&[End::Window, End::Blind])];
     let goes_up = storeys > 1 || has_attic;
     let count = dice.between(3, 9) as usize;
-    let mut rows = [dice.row(count), dice.row(count)];
+    let uses = if dice.one_in(3) { &HOMES[..] } else { &OFFICES[..] };
+    let mut rows = [dice.row(count, uses), dice.row(count, uses)];
     if goes_up {
         rows[0].insert(0, Bay { width: dice.between(24, 32), ..bay(Use::Stair) });
     }
@@ -62,7 +63,7 @@ pub fn random(options: &OfficeOptions) -> Building {
     let attached = way.map(|bay| {
         let degrees = dice.pick(&[90.0, 75.0, 67.0, 60.0, 53.0, 45.0, 37.0, 30.0]);
         let count = dice.between(2, 7) as usize;
-        let bays = [dice.row(count), dice.row(count)];
+        let bays = [dice.row(count, uses), dice.row(count, uses)];
         let west = if degrees == 90.0 { End::Open } else { End::Passage };
         let depth = [dice.between(40, 52), dice.between(40, 52)];
         let wing = Wing { bays, depth, corridor: 20, ends: [west, End::Window] };
@@ -78,6 +79,23 @@ pub fn random(options: &OfficeOptions) -> Building {
 fn bay(use_: Use) -> Bay {
     Bay { width: 30, room: Some(use_), facade: Facade::Own, is_blind: false }
 }
+
+/// What rooms of offices are for, the most frequent several times.
+const OFFICES: [Use; 10] = [
+    Use::Office,
+    Use::Office,
+    Use::Office,
+    Use::Meeting,
+    Use::Toilet,
+    Use::Storage,
+    Use::Kitchenette,
+    Use::Server,
+    Use::Classroom,
+    Use::Lounge,
+];
+
+/// What rooms of homes are for.
+const HOMES: [Use; 6] = [Use::Living, Use::Kitchen, Use::Bedroom, Use::Bedroom, Use::Bath, Use::Storage];
 
 /// SplitMix64.
 struct Dice(u64);
@@ -109,23 +127,12 @@ impl Dice {
     }
 
     /// A row of rooms, of which some take a neighbour's half.
-    fn row(&mut self, count: usize) -> Vec<Bay> {
+    fn row(&mut self, count: usize, uses: &[Use]) -> Vec<Bay> {
         let mut row: Vec<Bay> = (0..count)
             .map(|_| {
-                let use_ = self.pick(&[
-                    Use::Office,
-                    Use::Office,
-                    Use::Office,
-                    Use::Meeting,
-                    Use::Toilet,
-                    Use::Storage,
-                    Use::Kitchenette,
-                    Use::Server,
-                    Use::Classroom,
-                    Use::Lounge,
-                ]);
+                let use_ = self.pick(uses);
                 let width = match use_ {
-                    Use::Meeting | Use::Classroom | Use::Lounge => self.between(40, 80),
+                    Use::Meeting | Use::Classroom | Use::Lounge | Use::Living => self.between(40, 80),
                     _ => self.between(22, 44),
                 };
                 Bay { width, ..bay(use_) }

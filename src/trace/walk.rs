@@ -93,6 +93,8 @@ pub(super) struct Query {
     shear: [f64; 3],
     surface: Option<Surface>,
     root: u32,
+    /// Bounds the origin's coordinates, metres.
+    reach: f64,
 }
 
 impl Query {
@@ -111,6 +113,7 @@ impl Query {
         let local = (origin + direction * start - DVec3::from(center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
         let inverse = each(toward, |d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
+        let reach = origin.abs().max_element();
         let d = direction.to_array();
         let size = each(d, f64::abs);
         let along = if size[0] > size[1] && size[0] > size[2] {
@@ -123,7 +126,21 @@ impl Query {
         let axes = [(along + 1) % 3, (along + 2) % 3, along];
         let scale = 1.0 / d[along];
         let shear = [d[axes[0]] * scale, d[axes[1]] * scale, scale];
-        Query { origin, direction, tmin, tmax, start, local, toward, inverse, axes, shear, surface, root }
+        Query {
+            origin,
+            direction,
+            tmin,
+            tmax,
+            start,
+            local,
+            toward,
+            inverse,
+            axes,
+            shear,
+            surface,
+            root,
+            reach,
+        }
     }
 
     /// The f32 distance, from `local`, beyond which nothing is nearer than `t`.
@@ -153,7 +170,10 @@ impl Query {
             return false;
         }
         let det = u + v + w;
-        if det == 0.0 {
+        // Of a triangle seen edge-on, as far as roundings tell, any point could be met: those around it decide.
+        let across = |p: [f64; 3]| p[0].abs() + p[1].abs();
+        let reach = self.reach + a[2].abs().max(b[2].abs()).max(c[2].abs());
+        if det.abs() <= EDGE_ON_EXACT * reach * (across(a) + across(b) + across(c)) {
             return false;
         }
         let t = (u * a[2] + v * b[2] + w * c[2]) / det;
@@ -373,6 +393,10 @@ struct Candidates<L> {
     /// No more than the distance to each.
     t: L,
 }
+
+/// Bounds the error of an f64 determinant, for each metre of coordinates and of the sheared corners: those are off by
+/// four roundings of the coordinates, and so is the determinant for each metre of them.
+const EDGE_ON_EXACT: f64 = 1.0 / (1u64 << 50) as f64;
 
 /// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
 const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;

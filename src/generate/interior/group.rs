@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::generate::lattice::{Placement, units};
 
-use super::Rect2;
+use super::Rect;
 use super::catalogue::Item;
 
 /// A thing of a group.
@@ -26,7 +26,7 @@ pub struct Group {
     /// Width and depth of what it fills.
     pub size: [i32; 2],
     /// Floor from which it is used, inside that or in front of it. Other groups may use it too, but not stand there.
-    pub used: Vec<Rect2>,
+    pub used: Vec<Rect>,
 }
 
 impl Group {
@@ -43,7 +43,7 @@ impl Group {
             row.put(item, [i * w, 0], 0);
         }
         if front > 0 {
-            row.used.push(Rect2 { lo: [0, d], hi: [w * count, d + front] });
+            row.used.push(Rect { lo: [0, d], hi: [w * count, d + front] });
         }
         row
     }
@@ -53,7 +53,7 @@ impl Group {
         let [w, d] = item.size;
         let mut group = Group { size: [w + 2 * side, d], ..Group::default() };
         group.put(item, [side, 0], 0);
-        group.used.push(Rect2 { lo: [0, d], hi: [w + 2 * side, d + front] });
+        group.used.push(Rect { lo: [0, d], hi: [w + 2 * side, d + front] });
         group
     }
 
@@ -120,10 +120,10 @@ pub fn table_with_chairs(table: &Arc<Item>, chair: &Arc<Item>, chairs: [i32; 2],
     }
     let [all_w, all_d] = group.size;
     group.used = vec![
-        Rect2 { lo: [0, 0], hi: [all_w, around] },
-        Rect2 { lo: [0, around + d], hi: [all_w, all_d] },
-        Rect2 { lo: [0, 0], hi: [around, all_d] },
-        Rect2 { lo: [around + w, 0], hi: [all_w, all_d] },
+        Rect { lo: [0, 0], hi: [all_w, around] },
+        Rect { lo: [0, around + d], hi: [all_w, all_d] },
+        Rect { lo: [0, 0], hi: [around, all_d] },
+        Rect { lo: [around + w, 0], hi: [all_w, all_d] },
     ];
     group
 }
@@ -152,9 +152,9 @@ mod tests {
     fn turned_things_cover_the_plan_from_their_corner_on() {
         for turns in 0..4 {
             let place = corner_at([7, 3], [100, 200], turns);
-            let covered = Rect2 { lo: [0, 0], hi: [7, 3] }.placed(&place);
+            let covered = Rect { lo: [0, 0], hi: [7, 3] }.placed(&place);
             let [w, d] = if turns % 2 == 0 { [7, 3] } else { [3, 7] };
-            assert_eq!(covered, Rect2 { lo: [100, 200], hi: [100 + w, 200 + d] }, "{turns} turns");
+            assert_eq!(covered, Rect { lo: [100, 200], hi: [100 + w, 200 + d] }, "{turns} turns");
             // A corner of a thing in the frame, and the same corner by both placements at once.
             for inner_turns in 0..4 {
                 let inner = corner_at([2, 1], [4, 1], inner_turns);

@@ -2,7 +2,7 @@
 
 use crate::generate::lattice::units;
 
-use super::Rect2;
+use super::Rect;
 use super::catalogue::Thing;
 use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
@@ -23,7 +23,7 @@ pub fn living(f: &mut Fitting) {
     group.put(&sofa, [0, 0], 0);
     group.put(&table, [(w - table.size[0]) / 2, d + gap], 0);
     // One comes to the table's far side, or past it.
-    group.used.push(Rect2 { lo: [0, d], hi: [w, group.size[1] + units(0.45)] });
+    group.used.push(Rect { lo: [0, d], hi: [w, group.size[1] + units(0.45)] });
     let facing = f.random.below(4) as u8;
     let middle = Wish { middle: 2, chance: 2, ..Wish::default() };
     f.against_wall(&group, &Wish { facing: Some((facing, 6)), ..middle });
@@ -98,7 +98,7 @@ pub fn bedroom(f: &mut Fitting) {
         let [all, long] = group.size;
         for lo in [0, beside + bed.size[0]] {
             let hi = if lo == 0 { beside } else { all };
-            group.used.push(Rect2 { lo: [lo, nightstand.size[1]], hi: [hi, long] });
+            group.used.push(Rect { lo: [lo, nightstand.size[1]], hi: [hi, long] });
         }
         has_bed = f.against_wall(&group, &head);
     }

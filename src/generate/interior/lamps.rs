@@ -3,7 +3,7 @@
 use crate::generate::lattice::{Point, units};
 
 use super::region::{FAR, Region};
-use super::{MOST_RECTS, Rect2, Room};
+use super::{MOST_RECTS, Rect, Room};
 
 /// From a lamp's middle to walls and columns, metres, if there is so much room.
 const OFF_WALLS: f64 = 0.3;
@@ -29,9 +29,9 @@ pub fn lamps(room: &Room, count: usize) -> Vec<Point> {
 }
 
 /// Disjoint rectangles that fill most of a region, the largest first.
-fn parts(region: &Region) -> Vec<Rect2> {
+fn parts(region: &Region) -> Vec<Rect> {
     let least = region.area() / 50;
-    let mut parts: Vec<Rect2> = Vec::new();
+    let mut parts: Vec<Rect> = Vec::new();
     while parts.len() < 12 {
         let rest = region.without(parts.iter().copied());
         // A lamp needs some width; if the whole room has none, any will do.
@@ -46,17 +46,17 @@ fn parts(region: &Region) -> Vec<Rect2> {
     parts
 }
 
-fn area(rect: &Rect2) -> i64 {
+fn area(rect: &Rect) -> i64 {
     let [w, h] = rect.size();
     i64::from(w) * i64::from(h)
 }
 
-fn middle(rect: &Rect2) -> [i32; 2] {
+fn middle(rect: &Rect) -> [i32; 2] {
     rect.doubled_middle().map(|c| c.div_euclid(2) as i32)
 }
 
 /// How many of `count` each rectangle gets, by its area (Sainte-Lague).
-fn shares(parts: &[Rect2], count: usize) -> Vec<usize> {
+fn shares(parts: &[Rect], count: usize) -> Vec<usize> {
     let mut shares = vec![0; parts.len()];
     for _ in 0..count {
         let weight = |i: usize, shares: &[usize]| (i128::from(area(&parts[i])), 2 * shares[i] as i128 + 1);
@@ -72,7 +72,7 @@ fn shares(parts: &[Rect2], count: usize) -> Vec<usize> {
 }
 
 /// Points in rows over a rectangle, about as far from each other along the rows as across.
-fn rows(rect: &Rect2, count: usize) -> Vec<[i32; 2]> {
+fn rows(rect: &Rect, count: usize) -> Vec<[i32; 2]> {
     let [w, h] = rect.size().map(i64::from);
     let n = count as i64;
     let uneven = |rows: i64| (w / ((n + rows - 1) / rows) - h / rows).abs();
@@ -99,7 +99,7 @@ fn spread(from: i32, length: i64, i: i64, count: i64) -> i32 {
 
 /// The point, or if a column is too near the nearest place for a lamp around it.
 fn beside_columns(clear: &Region, [x, y]: [i32; 2]) -> Option<[i32; 2]> {
-    let fits = |[x, y]: [i32; 2], half: i32| clear.holds(&Rect2 { lo: [x, y], hi: [x, y] }.grown(half));
+    let fits = |[x, y]: [i32; 2], half: i32| clear.holds(&Rect { lo: [x, y], hi: [x, y] }.grown(half));
     if fits([x, y], units(OFF_WALLS)) {
         return Some([x, y]);
     }
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use crate::generate::interior::Use;
 
-    fn room<'a>(rects: &'a [Rect2], solids: &'a [Rect2]) -> Room<'a> {
+    fn room<'a>(rects: &'a [Rect], solids: &'a [Rect]) -> Room<'a> {
         let (keep_clear, windows) = (&[], &[]);
         Room {
             use_: Use::Office,
@@ -144,8 +144,8 @@ mod tests {
         }
     }
 
-    fn rect(west: i32, south: i32, east: i32, north: i32) -> Rect2 {
-        Rect2 { lo: [west, south], hi: [east, north] }
+    fn rect(west: i32, south: i32, east: i32, north: i32) -> Rect {
+        Rect { lo: [west, south], hi: [east, north] }
     }
 
     #[test]
@@ -168,7 +168,7 @@ mod tests {
         let hall = [rect(0, 0, 8000, 6000)];
         let column = [rect(3800, 2800, 4200, 3200)];
         let [one] = lamps(&room(&hall, &column), 1)[..] else { panic!("one") };
-        let at = Rect2 { lo: [one[0], one[1]], hi: [one[0], one[1]] };
+        let at = Rect { lo: [one[0], one[1]], hi: [one[0], one[1]] };
         assert!(!at.grown(units(0.3)).overlaps(&column[0]), "{one:?}");
         assert!((one[0] - 4000).abs() + (one[1] - 3000).abs() < 1200);
         let many = lamps(&room(&hall, &[]), 400);

@@ -2,7 +2,7 @@
 
 use crate::generate::lattice::units;
 
-use super::Rect2;
+use super::Rect;
 use super::catalogue::Thing;
 use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
@@ -50,8 +50,8 @@ pub fn hall(f: &mut Fitting) {
         let mut group = Group { size: [w, d + seat], ..Group::default() };
         group.put(&desk, [0, seat], 2);
         group.put_chair(&chair, [(w - chair.size[0]) / 2, seat - chair.size[1] - units(0.05)], 0);
-        group.used.push(Rect2 { lo: [0, 0], hi: [w, seat] });
-        group.used.push(Rect2 { lo: [0, seat + d], hi: [w, seat + d + units(0.8)] });
+        group.used.push(Rect { lo: [0, 0], hi: [w, seat] });
+        group.used.push(Rect { lo: [0, seat + d], hi: [w, seat + d + units(0.8)] });
         f.against_wall(&group, &Wish { door: 1, middle: 1, chance: 3, ..Wish::default() });
     }
     if area >= 15 {
@@ -90,13 +90,13 @@ fn seats(f: &mut Fitting, wish: &Wish) -> bool {
         group.put(&sofa, [sofa_u, 0], 0);
         group.put(&table, [sofa_u + (w - table.size[0]) / 2, d + gap], 0);
         group.put(&armchair, [arm_u, d + units(0.1)], turns);
-        group.used.push(Rect2 { lo: [sofa_u, d], hi: [sofa_u + w, reach] });
+        group.used.push(Rect { lo: [sofa_u, d], hi: [sofa_u + w, reach] });
         group
     };
     let mut alone = Group { size: [w, d + gap + table.size[1]], ..Group::default() };
     alone.put(&sofa, [0, 0], 0);
     alone.put(&table, [(w - table.size[0]) / 2, d + gap], 0);
-    alone.used.push(Rect2 { lo: [0, d], hi: [w, reach] });
+    alone.used.push(Rect { lo: [0, d], hi: [w, reach] });
     let is_right = f.random.flip();
     let groups = [with_armchair(is_right), with_armchair(!is_right), alone];
     groups.iter().any(|group| group.faces() <= f.budget() && f.against_wall(group, wish))

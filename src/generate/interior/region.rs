@@ -1,6 +1,6 @@
 //! The plan of a room: a union of rectangles without what stands in it, exactly.
 
-use super::Rect2;
+use super::Rect;
 
 /// Coordinates beyond this are cut off, so that sums of two of them stay far from overflow: 524 km.
 pub const FAR: i32 = 1 << 29;
@@ -8,8 +8,8 @@ pub const FAR: i32 = 1 << 29;
 /// A part of the plane bounded by lines along the axes.
 #[derive(Clone, Debug, Default)]
 pub struct Region {
-    added: Vec<Rect2>,
-    taken: Vec<Rect2>,
+    added: Vec<Rect>,
+    taken: Vec<Rect>,
     /// All coordinates of the rectangles on each axis, in order: they cut the plane into cells.
     cuts: [Vec<i32>; 2],
     /// For each cell, row by row, whether it is inside.
@@ -32,9 +32,9 @@ pub struct Wall {
 
 impl Region {
     /// What lies in a rectangle of `added` and in none of `taken`.
-    pub fn new(added: &[Rect2], taken: &[Rect2]) -> Region {
-        let near = |rects: &[Rect2]| -> Vec<Rect2> {
-            let cut = |r: &Rect2| Rect2 {
+    pub fn new(added: &[Rect], taken: &[Rect]) -> Region {
+        let near = |rects: &[Rect]| -> Vec<Rect> {
+            let cut = |r: &Rect| Rect {
                 lo: r.lo.map(|c| c.clamp(-FAR, FAR)),
                 hi: r.hi.map(|c| c.clamp(-FAR, FAR)),
             };
@@ -72,8 +72,8 @@ impl Region {
     }
 
     /// The region without more rectangles.
-    pub fn without(&self, more: impl Iterator<Item = Rect2>) -> Region {
-        let taken: Vec<Rect2> = self.taken.iter().copied().chain(more).collect();
+    pub fn without(&self, more: impl Iterator<Item = Rect>) -> Region {
+        let taken: Vec<Rect> = self.taken.iter().copied().chain(more).collect();
         Region::new(&self.added, &taken)
     }
 
@@ -94,7 +94,7 @@ impl Region {
     }
 
     /// How many cells that a rectangle covers or cuts there are, and how many of them are inside.
-    fn cells(&self, rect: &Rect2) -> (usize, usize) {
+    fn cells(&self, rect: &Rect) -> (usize, usize) {
         let [columns, rows] = [0, 1].map(|axis| self.span(axis, rect.lo[axis], rect.hi[axis]));
         let wide = self.columns() + 1;
         let count =
@@ -106,7 +106,7 @@ impl Region {
     }
 
     /// Whether a rectangle that is not empty lies in the region; it may touch its boundary.
-    pub fn holds(&self, rect: &Rect2) -> bool {
+    pub fn holds(&self, rect: &Rect) -> bool {
         let in_bounds = (0..2).all(|axis| {
             let cuts = &self.cuts[axis];
             cuts.first().is_some_and(|&c| c <= rect.lo[axis])
@@ -117,7 +117,7 @@ impl Region {
     }
 
     /// Whether no point inside a rectangle lies in the region.
-    pub fn misses(&self, rect: &Rect2) -> bool {
+    pub fn misses(&self, rect: &Rect) -> bool {
         let beside = (0..2).any(|axis| {
             let cuts = &self.cuts[axis];
             cuts.first().is_none_or(|&c| c >= rect.hi[axis])
@@ -127,10 +127,10 @@ impl Region {
     }
 
     /// The smallest rectangle around it.
-    pub fn bounds(&self) -> Option<Rect2> {
+    pub fn bounds(&self) -> Option<Rect> {
         let ends = |axis: usize| Some((*self.cuts[axis].first()?, *self.cuts[axis].last()?));
         let ((x0, x1), (y0, y1)) = (ends(0)?, ends(1)?);
-        Some(Rect2 { lo: [x0, y0], hi: [x1, y1] })
+        Some(Rect { lo: [x0, y0], hi: [x1, y1] })
     }
 
     /// Its area, square units.
@@ -180,9 +180,9 @@ impl Region {
     }
 
     /// The rectangle of the greatest area in the region among those of a size that `suits`.
-    pub fn largest(&self, suits: impl Fn([i32; 2]) -> bool) -> Option<Rect2> {
+    pub fn largest(&self, suits: impl Fn([i32; 2]) -> bool) -> Option<Rect> {
         let (wide, high) = (self.columns(), self.rows());
-        let mut best: Option<(i64, Rect2)> = None;
+        let mut best: Option<(i64, Rect)> = None;
         // For each column, the row from which on it is inside without a break.
         let mut since: Vec<usize> = vec![0; wide];
         for row in 0..high {
@@ -202,7 +202,7 @@ impl Region {
                     }
                     stack.pop();
                     left = first;
-                    let rect = Rect2 {
+                    let rect = Rect {
                         lo: [self.cuts[0][first], self.cuts[1][start]],
                         hi: [self.cuts[0][column], self.cuts[1][row + 1]],
                     };

@@ -2,7 +2,7 @@
 
 use crate::generate::lattice::units;
 
-use super::Rect2;
+use super::Rect;
 use super::catalogue::Thing;
 use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
@@ -40,7 +40,7 @@ fn cubicles(f: &mut Fitting, count: i32, is_right: bool) -> Group {
             group.put(&door, [u, line + front.size[1] - long], turns);
         }
     }
-    group.used.push(Rect2 { lo: [0, depth], hi: [count * pitch, depth + units(0.75)] });
+    group.used.push(Rect { lo: [0, depth], hi: [count * pitch, depth + units(0.75)] });
     group
 }
 
@@ -170,7 +170,7 @@ pub fn counters(f: &mut Fitting, things: &[Thing]) {
                 }
             }
             let [w, d] = group.size;
-            group.used.push(Rect2 { lo: [0, d], hi: [w, d + units(0.7)] });
+            group.used.push(Rect { lo: [0, d], hi: [w, d + units(0.7)] });
             if f.against_wall(&group, &at_wall) {
                 return;
             }
@@ -186,7 +186,7 @@ pub fn server(f: &mut Fitting) {
         let rack = f.item(Thing::ServerRack { pattern: (pattern + count as u8) % 12 });
         let mut group = Group::row(&rack, count, units(0.8));
         let w = group.size[0];
-        group.used.push(Rect2 { lo: [0, -units(0.6)], hi: [w, 0] });
+        group.used.push(Rect { lo: [0, -units(0.6)], hi: [w, 0] });
         let left = enough.saturating_sub(f.faces()) / group.faces().max(1);
         let turns = if f.random.flip() { [0, 1] } else { [2, 3] };
         f.rows(&group, &turns, &Spacing::spread([units(0.8), units(0.9)], units(0.85)), left);

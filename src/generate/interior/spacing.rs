@@ -1,6 +1,6 @@
 //! How groups stand in rows and columns.
 
-use super::Rect2;
+use super::Rect;
 
 /// At most so many places of a field are tried.
 const MOST_PLACES: i32 = 1500;
@@ -27,7 +27,7 @@ impl Spacing {
     /// of them on each axis, best first; a few more, as some may be taken.
     pub fn places(
         &self,
-        rect: &Rect2,
+        rect: &Rect,
         size: [i32; 2],
         gap: [i32; 2],
         fit: [i32; 2],
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn few_groups_spread_and_audiences_do_not() {
-        let rect = Rect2 { lo: [0, 0], hi: [1000, 500] };
+        let rect = Rect { lo: [0, 0], hi: [1000, 500] };
         let spread = Spacing::spread([10, 10], 0);
         let two = spread.places(&rect, [100, 100], [10, 10], [9, 4], 0, 2);
         assert_eq!(two, [[200, 200], [700, 200]]);

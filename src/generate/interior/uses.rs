@@ -54,6 +54,7 @@ pub struct Density {
 
 impl Use {
     /// All of them.
+    #[cfg(test)]
     pub const ALL: [Use; 19] = [
         Use::Office,
         Use::OpenOffice,

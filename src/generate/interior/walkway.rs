@@ -3,7 +3,7 @@
 //! The floor is sampled at the middles of square cells. A middle is open if a square as wide as the walkway fits
 //! around it. Open middles side by side are one step apart, and the squares of both lie in the floor.
 
-use super::Rect2;
+use super::Rect;
 use super::region::Region;
 
 /// At most about as many cells; in larger rooms they are wider.
@@ -29,13 +29,13 @@ pub struct Walkway {
     /// Doors that can be reached from each other in the empty room: cells of each.
     doors: Vec<Vec<Vec<usize>>>,
     /// What must stay within reach.
-    places: Vec<Rect2>,
+    places: Vec<Rect>,
 }
 
 impl Walkway {
     /// The empty room's. Doors are the floor in front of them.
-    pub fn new(region: &Region, width: i32, doors: &[Rect2]) -> Walkway {
-        let bounds = region.bounds().unwrap_or(Rect2 { lo: [0; 2], hi: [0; 2] });
+    pub fn new(region: &Region, width: i32, doors: &[Rect]) -> Walkway {
+        let bounds = region.bounds().unwrap_or(Rect { lo: [0; 2], hi: [0; 2] });
         let span = [0, 1].map(|axis| i64::from(bounds.hi[axis]) - i64::from(bounds.lo[axis]));
         let mut pitch = 128;
         while (span[0] / pitch + 1) * (span[1] / pitch + 1) > CELLS {
@@ -55,7 +55,7 @@ impl Walkway {
         walkway.open = (0..size[0] * size[1])
             .map(|cell| {
                 let [x, y] = walkway.middle(cell);
-                region.holds(&Rect2 {
+                region.holds(&Rect {
                     lo: [x - half, y - half].map(|c| c as i32),
                     hi: [x + half, y + half].map(|c| c as i32),
                 })
@@ -91,7 +91,7 @@ impl Walkway {
     }
 
     /// The cells of a place: also those that it touches, where cells are wide.
-    fn cells_in(&self, place: &Rect2) -> Vec<usize> {
+    fn cells_in(&self, place: &Rect) -> Vec<usize> {
         let wider = if self.pitch > 128 { self.pitch / 2 } else { 0 };
         self.cells_within(place.lo.map(|c| i64::from(c) - wider), place.hi.map(|c| i64::from(c) + wider))
     }
@@ -122,7 +122,7 @@ impl Walkway {
 
     /// Puts things on the floor, each with the places from which they are used, if all doors and places stay within
     /// reach; else nothing changes.
-    pub fn take(&mut self, things: &[Rect2], places: &[Rect2]) -> Option<Taken> {
+    pub fn take(&mut self, things: &[Rect], places: &[Rect]) -> Option<Taken> {
         let mut taken = Taken { closed: Vec::new(), places: self.places.len() };
         for thing in things {
             let lo = thing.lo.map(|c| i64::from(c) - self.half);
@@ -168,8 +168,8 @@ mod tests {
     use super::*;
     use crate::generate::lattice::units;
 
-    fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect2 {
-        Rect2 { lo: [west, south].map(units), hi: [east, north].map(units) }
+    fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect {
+        Rect { lo: [west, south].map(units), hi: [east, north].map(units) }
     }
 
     #[test]

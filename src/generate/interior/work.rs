@@ -2,7 +2,7 @@
 
 use crate::generate::lattice::units;
 
-use super::Rect2;
+use super::Rect;
 use super::catalogue::Thing;
 use super::fitting::Fitting;
 use super::group::{Group, table_with_chairs};
@@ -43,7 +43,7 @@ fn workplace(f: &mut Fitting, [w, d]: [u16; 2], is_dark: bool, has_cross: bool) 
     group.put_chair(&chair, [(w - chair.size[0]) / 2, d - units(0.05)], 2);
     let end = if f.random.flip() { units(0.1) } else { w - units(0.1) - pedestal.size[0] };
     group.put(&pedestal, [end, units(0.1)], 0);
-    group.used.push(Rect2 { lo: [0, d], hi: [w, d + seat] });
+    group.used.push(Rect { lo: [0, d], hi: [w, d + seat] });
     group
 }
 
@@ -59,7 +59,7 @@ fn facing_room(f: &mut Fitting, w: u16, is_dark: bool, visitors: i32) -> Group {
         group.put_chair(&chair, [u, d + units(0.1)], 2);
     }
     if visitors > 0 {
-        group.used.push(Rect2 { lo: [0, d], hi: [w, d + units(0.75)] });
+        group.used.push(Rect { lo: [0, d], hi: [w, d + units(0.75)] });
     }
     group
 }
@@ -287,7 +287,7 @@ pub fn conference(f: &mut Fitting) {
     let mut stage = Group { size: [units(0.6), units(1.3)], ..Group::default() };
     // Its front is the speaker's side.
     stage.put(&lectern, [0, units(0.8)], 2);
-    stage.used.push(Rect2 { lo: [0, 0], hi: [units(0.6), units(0.8)] });
+    stage.used.push(Rect { lo: [0, 0], hi: [units(0.6), units(0.8)] });
     f.against_wall(&stage, &Wish { facing: Some((back, 100)), middle: 4, chance: 1, ..Wish::default() });
     let chair = f.item(Thing::VisitorChair { is_red });
     let enough = f.target() * 17 / 20;
@@ -332,7 +332,7 @@ pub fn classroom(f: &mut Fitting) {
     for i in 0..2 {
         pair.put_chair(&chair, [w / 4 + i * w / 2 - chair.size[0] / 2, units(0.3)], 0);
     }
-    pair.used.push(Rect2 { lo: [0, 0], hi: [w, units(0.6)] });
+    pair.used.push(Rect { lo: [0, 0], hi: [w, units(0.6)] });
     let enough = f.target() * 17 / 20;
     let audience = Spacing { gap: [units(0.65), units(0.3)], margin: units(0.5), is_audience: true };
     let left = enough.saturating_sub(f.faces()) / pair.faces().max(1);

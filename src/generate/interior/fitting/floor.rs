@@ -1,6 +1,6 @@
 //! Where things fit away from the walls.
 
-use super::super::Rect2;
+use super::super::Rect;
 use super::super::group::{Group, corner_at};
 use super::super::region::Region;
 use super::super::spacing::Spacing;
@@ -9,7 +9,7 @@ use super::Fitting;
 impl Fitting<'_> {
     /// The floor that nothing stands on and nobody needs.
     fn free(&self) -> Region {
-        let stands = self.stands.iter().filter(|s| !s.is_hung).map(|s| Rect2::under(&s.bounds));
+        let stands = self.stands.iter().filter(|s| !s.is_hung).map(|s| Rect::under(&s.bounds));
         self.region
             .without(stands.chain(self.used.iter().copied()).chain(self.room.keep_clear.iter().copied()))
     }

@@ -14,7 +14,7 @@ use super::random::Random;
 use super::region::{FAR, Region, Wall};
 use super::walkway::Walkway;
 use super::wish::{Filler, Wish};
-use super::{HEADROOM, MOST_RECTS, Placed, Rect2, Room};
+use super::{HEADROOM, MOST_RECTS, Placed, Rect, Room};
 
 /// Width of the way to a thing, metres.
 const NARROW: f64 = 0.5;
@@ -45,9 +45,9 @@ pub struct Fitting<'a> {
     /// The way between doors, if that is wider than the ways to things.
     thoroughfare: Option<Walkway>,
     walkway: Walkway,
-    window_fronts: Vec<(Rect2, i32)>,
+    window_fronts: Vec<(Rect, i32)>,
     stands: Vec<Stand>,
-    used: Vec<Rect2>,
+    used: Vec<Rect>,
     placed: Vec<Placed>,
     faces: u32,
 }
@@ -110,13 +110,13 @@ impl<'a> Fitting<'a> {
     }
 
     /// The smallest rectangle around the room.
-    pub fn bounds(&self) -> Rect2 {
-        self.region.bounds().unwrap_or(Rect2 { lo: [0; 2], hi: [0; 2] })
+    pub fn bounds(&self) -> Rect {
+        self.region.bounds().unwrap_or(Rect { lo: [0; 2], hi: [0; 2] })
     }
 
     /// The floor from which things are used.
     #[cfg(test)]
-    pub fn used(&self) -> &[Rect2] {
+    pub fn used(&self) -> &[Rect] {
         &self.used
     }
 
@@ -131,10 +131,10 @@ impl<'a> Fitting<'a> {
         if self.placed.len() + group.parts.len() > MOST_THINGS || group.parts.is_empty() {
             return false;
         }
-        let used: Vec<Rect2> = group.used.iter().map(|rect| rect.placed(&place)).collect();
-        let is_blocked = |rect: &Rect2| {
+        let used: Vec<Rect> = group.used.iter().map(|rect| rect.placed(&place)).collect();
+        let is_blocked = |rect: &Rect| {
             !self.region.holds(rect)
-                || self.stands.iter().any(|s| !s.is_hung && Rect2::under(&s.bounds).overlaps(rect))
+                || self.stands.iter().any(|s| !s.is_hung && Rect::under(&s.bounds).overlaps(rect))
         };
         if used.iter().any(is_blocked) {
             return false;
@@ -146,11 +146,11 @@ impl<'a> Fitting<'a> {
                 None => return false,
             }
         }
-        let in_the_way: Vec<Rect2> = stands
+        let in_the_way: Vec<Rect> = stands
             .iter()
             .zip(&group.parts)
             .filter(|(stand, part)| !stand.is_hung && !part.is_movable)
-            .map(|(stand, _)| Rect2::under(&stand.bounds))
+            .map(|(stand, _)| Rect::under(&stand.bounds))
             .collect();
         let Some(taken) = self.walkway.take(&in_the_way, &used) else { return false };
         if self.thoroughfare.as_mut().is_some_and(|way| way.take(&in_the_way, &[]).is_none()) {
@@ -180,7 +180,7 @@ impl<'a> Fitting<'a> {
         let item = &part.item;
         let [w, d] = item.size;
         let bounds = place.cuboid(&Cuboid { lo: [0, 0, item.z[0]], hi: [w, d, item.z[1]] });
-        let under = Rect2::under(&bounds);
+        let under = Rect::under(&bounds);
         let is_hung = item.is_hung();
         let fits = bounds.hi[2] <= self.ceiling
             && self.region.holds(&under)
@@ -191,8 +191,7 @@ impl<'a> Fitting<'a> {
         }
         let boxes: Vec<Cuboid> = item.boxes.iter().map(|b| place.cuboid(b)).collect();
         let hides_window = self.window_fronts.iter().any(|(front, sill)| {
-            front.overlaps(&under)
-                && boxes.iter().any(|b| b.hi[2] > *sill && front.overlaps(&Rect2::under(b)))
+            front.overlaps(&under) && boxes.iter().any(|b| b.hi[2] > *sill && front.overlaps(&Rect::under(b)))
         });
         let collides = self.stands.iter().any(|other| {
             share_space(&other.bounds, &bounds)
@@ -205,10 +204,10 @@ impl<'a> Fitting<'a> {
     fn shown(&self, item: &Item, place: &Placement) -> u32 {
         let [w, d] = item.size;
         let beside = [
-            Rect2 { lo: [0, -1], hi: [w, 0] },
-            Rect2 { lo: [w, 0], hi: [w + 1, d] },
-            Rect2 { lo: [0, d], hi: [w, d + 1] },
-            Rect2 { lo: [-1, 0], hi: [0, d] },
+            Rect { lo: [0, -1], hi: [w, 0] },
+            Rect { lo: [w, 0], hi: [w + 1, d] },
+            Rect { lo: [0, d], hi: [w, d + 1] },
+            Rect { lo: [-1, 0], hi: [0, d] },
         ];
         let hidden =
             beside.iter().zip(item.at_sides).filter(|(rect, _)| self.region.misses(&rect.placed(place)));
@@ -277,8 +276,8 @@ mod tests {
     use super::*;
     use crate::generate::interior::{Use, Window};
 
-    fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect2 {
-        Rect2 { lo: [west, south].map(units), hi: [east, north].map(units) }
+    fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect {
+        Rect { lo: [west, south].map(units), hi: [east, north].map(units) }
     }
 
     fn at(x: f64, y: f64, turns: u8) -> Placement {
@@ -360,7 +359,7 @@ mod tests {
         // A table along the southern wall that is used from behind.
         let behind = |f: &mut Fitting, w: u16| {
             let mut table = Group::alone(&f.item(Thing::Table { w, d: 30, h: 74 }), 0);
-            table.used.push(Rect2 { lo: [0, -units(0.6)], hi: [units(2.0), 0] });
+            table.used.push(Rect { lo: [0, -units(0.6)], hi: [units(2.0), 0] });
             f.put(&table, &at(0.0, 0.6, 0))
         };
         with_room(Use::Office, |f| assert!(behind(f, 300)));
@@ -373,7 +372,7 @@ mod tests {
             let plant = Group::alone(&f.item(Thing::SmallPlant), 0);
             let far_from_light = Wish { window: -20, corner: 20, ..Wish::default() };
             assert!(f.against_wall(&plant, &far_from_light));
-            let under = Rect2::under(&f.stands[0].bounds);
+            let under = Rect::under(&f.stands[0].bounds);
             assert!(under.lo[1] == 0 && (under.lo[0] == 0 || under.hi[0] == units(4.0)), "{under:?}");
             assert!(f.in_corner(&plant, true, &Wish { facing: Some((1, 50)), ..Wish::default() }));
             let placed = f.placed[1].place;

@@ -2,7 +2,7 @@
 
 use crate::generate::lattice::{Placement, units};
 
-use super::super::Rect2;
+use super::super::Rect;
 use super::super::catalogue::Thing;
 use super::super::group::Group;
 use super::super::region::{FAR, Wall};
@@ -41,7 +41,7 @@ impl Fitting<'_> {
             let offset = if is_right { 0 } else { room };
             // Where the wall ends at an edge that juts into the room, there is no corner.
             let end = if is_right { -1 } else { wall.length };
-            let beyond = Rect2 { lo: [end, 0], hi: [end + 1, group.size[1]] }.placed(&along(&wall, 0));
+            let beyond = Rect { lo: [end, 0], hi: [end + 1, group.size[1]] }.placed(&along(&wall, 0));
             if room >= 0 && self.region.misses(&beyond) {
                 places.push((self.score(&wall, group.size, offset, wish, true), along(&wall, offset)));
             }
@@ -53,12 +53,12 @@ impl Fitting<'_> {
     /// Offsets along a wall: where a group of a size would touch a corner or something, and others.
     fn offsets(&self, wall: &Wall, [w, d]: [i32; 2], room: i32) -> (Vec<i32>, Vec<i32>) {
         let mut ends = vec![0, wall.length];
-        let strip = Rect2 { lo: [0, 0], hi: [wall.length, d.max(1)] }.placed(&along(wall, 0));
-        let stands = self.stands.iter().map(|s| Rect2::under(&s.bounds));
+        let strip = Rect { lo: [0, 0], hi: [wall.length, d.max(1)] }.placed(&along(wall, 0));
+        let stands = self.stands.iter().map(|s| Rect::under(&s.bounds));
         let fronts = self.window_fronts.iter().map(|(front, _)| *front);
         for rect in stands.chain(self.room.keep_clear.iter().copied()).chain(fronts) {
             if !rect.is_empty() && rect.overlaps(&strip) {
-                let near = Rect2 {
+                let near = Rect {
                     lo: [0, 1].map(|i| rect.lo[i].max(strip.lo[i])),
                     hi: [0, 1].map(|i| rect.hi[i].min(strip.hi[i])),
                 };
@@ -81,8 +81,8 @@ impl Fitting<'_> {
 
     fn score(&mut self, wall: &Wall, [w, _]: [i32; 2], offset: i32, wish: &Wish, touches: bool) -> i64 {
         let [x, y, _] = along(wall, offset).point([w / 2, 0, 0]);
-        let doors = self.room.keep_clear.iter().map(Rect2::doubled_middle);
-        let windows = self.room.windows.iter().map(|w| Rect2::between(w.from, w.to).doubled_middle());
+        let doors = self.room.keep_clear.iter().map(Rect::doubled_middle);
+        let windows = self.room.windows.iter().map(|w| Rect::between(w.from, w.to).doubled_middle());
         let to_door = nearest([x, y], doors);
         let to_window = nearest([x, y], windows);
         let to_middle = (i64::from(offset) + i64::from(w / 2) - i64::from(wall.length / 2)).abs();
@@ -99,7 +99,7 @@ impl Fitting<'_> {
     pub fn radiators(&mut self) {
         let windows = self.room.windows;
         for window in windows {
-            let span = Rect2::between(window.from, window.to);
+            let span = Rect::between(window.from, window.to);
             let sill = i64::from(window.sill) - i64::from(self.floor);
             let h = if sill >= i64::from(units(0.85)) { 60 } else { 35 };
             if sill < i64::from(units(0.55)) {
@@ -131,7 +131,7 @@ fn along(wall: &Wall, offset: i32) -> Placement {
 }
 
 /// From where to where along a wall a rectangle reaches.
-fn from_start(wall: &Wall, rect: &Rect2) -> [i32; 2] {
+fn from_start(wall: &Wall, rect: &Rect) -> [i32; 2] {
     let axis = usize::from(!wall.turns.is_multiple_of(2));
     let [lo, hi] = [rect.lo[axis], rect.hi[axis]].map(|c| c.clamp(-FAR, FAR) - wall.start[axis]);
     // u points to +x, +y, -x, -y.

@@ -2,6 +2,7 @@
 
 mod ways;
 
+use crate::generate::lattice::Cuboid;
 use proptest::prelude::*;
 
 use self::ways::check_ways;
@@ -18,9 +19,9 @@ use crate::importers::{Frame, ImportOptions, Material, ModelBuilder, NewElement,
 #[derive(Clone, Debug)]
 struct Owned {
     use_: Use,
-    rects: Vec<Rect2>,
-    solids: Vec<Rect2>,
-    keep_clear: Vec<Rect2>,
+    rects: Vec<Rect>,
+    solids: Vec<Rect>,
+    keep_clear: Vec<Rect>,
     windows: Vec<Window>,
     floor: i32,
     ceiling: i32,
@@ -54,8 +55,8 @@ impl Owned {
     }
 }
 
-fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect2 {
-    Rect2 { lo: [west, south].map(units), hi: [east, north].map(units) }
+fn rect(west: f64, south: f64, east: f64, north: f64) -> Rect {
+    Rect { lo: [west, south].map(units), hi: [east, north].map(units) }
 }
 
 /// A `w` by `h` room with a door in its south wall and windows in its north wall.
@@ -81,7 +82,7 @@ fn typical(use_: Use, w: f64, h: f64, seed: u64) -> Owned {
 }
 
 /// What of a rectangle lies outside the union of others.
-fn outside(rect: Rect2, union: &[Rect2]) -> Vec<Rect2> {
+fn outside(rect: Rect, union: &[Rect]) -> Vec<Rect> {
     let mut rest = vec![rect];
     for cover in union.iter().filter(|r| !r.is_empty()) {
         let mut next = Vec::new();
@@ -90,15 +91,15 @@ fn outside(rect: Rect2, union: &[Rect2]) -> Vec<Rect2> {
                 next.push(part);
                 continue;
             }
-            let mid = Rect2 {
+            let mid = Rect {
                 lo: [part.lo[0].max(cover.lo[0]), part.lo[1]],
                 hi: [part.hi[0].min(cover.hi[0]), part.hi[1]],
             };
             let sides = [
-                Rect2 { hi: [mid.lo[0], part.hi[1]], ..part },
-                Rect2 { lo: [mid.hi[0], part.lo[1]], ..part },
-                Rect2 { hi: [mid.hi[0], cover.lo[1]], ..mid },
-                Rect2 { lo: [mid.lo[0], cover.hi[1]], ..mid },
+                Rect { hi: [mid.lo[0], part.hi[1]], ..part },
+                Rect { lo: [mid.hi[0], part.lo[1]], ..part },
+                Rect { hi: [mid.hi[0], cover.lo[1]], ..mid },
+                Rect { lo: [mid.lo[0], cover.hi[1]], ..mid },
             ];
             next.extend(sides.into_iter().filter(|r| !r.is_empty()));
         }
@@ -118,7 +119,7 @@ fn check(owned: &Owned, placed: &[Placed]) {
     for (name, boxes) in &all {
         assert!(!boxes.is_empty(), "{name}");
         for cuboid in boxes {
-            let under = Rect2::under(cuboid);
+            let under = Rect::under(cuboid);
             assert!(!cuboid.is_empty(), "{name}");
             assert_eq!(outside(under, rects), [], "{name} leaves the room at {cuboid:?}");
             assert!(!solids.iter().any(|s| s.overlaps(&under)), "{name} stands in a column");
@@ -127,11 +128,11 @@ fn check(owned: &Owned, placed: &[Placed]) {
             for window in windows.iter().filter(|w| cuboid.hi[2] > w.sill) {
                 let [a, b] = [window.from, window.to];
                 let depth = units(0.44);
-                let line = Rect2::between(a, b);
+                let line = Rect::between(a, b);
                 let front = if a[1] == b[1] {
-                    Rect2 { lo: [line.lo[0], a[1] - depth], hi: [line.hi[0], a[1] + depth] }
+                    Rect { lo: [line.lo[0], a[1] - depth], hi: [line.hi[0], a[1] + depth] }
                 } else {
-                    Rect2 { lo: [a[0] - depth, line.lo[1]], hi: [a[0] + depth, line.hi[1]] }
+                    Rect { lo: [a[0] - depth, line.lo[1]], hi: [a[0] + depth, line.hi[1]] }
                 };
                 assert!(!front.overlaps(&under), "{name} hides the window from {a:?} to {b:?}");
             }
@@ -186,7 +187,7 @@ fn drawn_faces(placed: &Placed, owned: &Owned) -> usize {
     let found = patches(&Plan::of_boxes(&boxes), &|material, beyond, _| {
         beyond.is_none().then_some(Surface { element: 0, material, beyond: None })
     });
-    let Rect2 { lo, hi } = owned.rects[0];
+    let Rect { lo, hi } = owned.rects[0];
     let flush = |p: &crate::generate::patches::Patch| {
         let all = |axis: usize, c: i32| p.loops[0].iter().all(|q| q[axis] == c);
         let floor = all(2, owned.floor);
@@ -329,14 +330,14 @@ fn seeds_make_a_difference_and_nothing_else_does() {
 #[test]
 fn strange_rooms_are_no_trouble() {
     let far = [i32::MIN, i32::MAX];
-    let whole = Rect2 { lo: [far[0]; 2], hi: [far[1]; 2] };
-    let strange: [Vec<Rect2>; 9] = [
+    let whole = Rect { lo: [far[0]; 2], hi: [far[1]; 2] };
+    let strange: [Vec<Rect>; 9] = [
         vec![],
         vec![rect(1.0, 1.0, 1.0, 5.0)],
         vec![rect(5.0, 5.0, 1.0, 1.0)],
         vec![rect(0.0, 0.0, 0.01, 0.01)],
         vec![rect(0.0, 0.0, 0.3, 20.0)],
-        vec![Rect2 { lo: [0, 0], hi: [1, i32::MAX] }],
+        vec![Rect { lo: [0, 0], hi: [1, i32::MAX] }],
         vec![whole],
         vec![rect(0.0, 0.0, 60.0, 50.0)],
         (0..200)
@@ -374,8 +375,7 @@ fn shapes() -> impl Strategy<Value = Owned> {
     (parts, holes, columns, 0..Use::ALL.len(), any::<u64>(), 1800..4000i32).prop_map(
         |((shape, (w, h), (a, b), origin), holes, columns, use_, seed, height)| {
             let [x, y] = [origin.0 * 700, origin.1 * 900];
-            let at =
-                |x0: i32, y0: i32, x1: i32, y1: i32| Rect2 { lo: [x + x0, y + y0], hi: [x + x1, y + y1] };
+            let at = |x0: i32, y0: i32, x1: i32, y1: i32| Rect { lo: [x + x0, y + y0], hi: [x + x1, y + y1] };
             let mut rects = vec![at(0, 0, w, h)];
             match shape {
                 0 => {}
@@ -387,7 +387,7 @@ fn shapes() -> impl Strategy<Value = Owned> {
             let solids = columns
                 .iter()
                 .map(|&(u, v)| [x + u * w / 1000, y + v * h / 1000])
-                .map(|[u, v]| Rect2 { lo: [u, v], hi: [u + 410, v + 410] })
+                .map(|[u, v]| Rect { lo: [u, v], hi: [u + 410, v + 410] })
                 .collect();
             let walls = region::Region::new(&rects, &[]).walls();
             let (mut keep_clear, mut windows) = (Vec::new(), Vec::new());
@@ -405,7 +405,7 @@ fn shapes() -> impl Strategy<Value = Owned> {
                     [x, y]
                 };
                 if is_door {
-                    keep_clear.push(Rect2::between(point(from, 0), point(from + width, 1000)));
+                    keep_clear.push(Rect::between(point(from, 0), point(from + width, 1000)));
                 } else {
                     let sill = 3000 + 900 + share % 3 * 200;
                     windows.push(Window { from: point(from, 0), to: point(from + width, 0), sill });
@@ -437,7 +437,7 @@ proptest! {
         let region = region::Region::new(&owned.rects, &owned.solids);
         prop_assert_eq!(found.len(), if region.area() > 0 { count } else { 0 });
         for [x, y, z] in found {
-            let at = Rect2 { lo: [x, y], hi: [x, y] }.grown(1);
+            let at = Rect { lo: [x, y], hi: [x, y] }.grown(1);
             prop_assert_eq!(outside(at, &owned.rects), []);
             prop_assert!(!owned.solids.iter().any(|s| s.overlaps(&at)));
             prop_assert_eq!(z, owned.ceiling);
@@ -463,11 +463,11 @@ proptest! {
         taken in proptest::collection::vec((0..20i32, 0..20i32, 1..5i32, 1..5i32), 0..4),
         probe in (0..24i32, 0..24i32, 1..9i32, 1..9i32),
     ) {
-        let rect = |(x, y, w, h): (i32, i32, i32, i32)| Rect2 { lo: [x, y], hi: [x + w, y + h] };
-        let added: Vec<Rect2> = added.into_iter().map(rect).collect();
-        let taken: Vec<Rect2> = taken.into_iter().map(rect).collect();
+        let rect = |(x, y, w, h): (i32, i32, i32, i32)| Rect { lo: [x, y], hi: [x + w, y + h] };
+        let added: Vec<Rect> = added.into_iter().map(rect).collect();
+        let taken: Vec<Rect> = taken.into_iter().map(rect).collect();
         let region = region::Region::new(&added, &taken);
-        let cell = |x: i32, y: i32| Rect2 { lo: [x, y], hi: [x + 1, y + 1] };
+        let cell = |x: i32, y: i32| Rect { lo: [x, y], hi: [x + 1, y + 1] };
         let inside = |x: i32, y: i32| {
             added.iter().any(|r| r.overlaps(&cell(x, y))) && !taken.iter().any(|r| r.overlaps(&cell(x, y)))
         };
@@ -485,8 +485,8 @@ proptest! {
         for wall in region.walls() {
             let place = Placement { origin: [wall.start[0], wall.start[1], 0], turns: wall.turns };
             for u in 0..wall.length {
-                let front = Rect2 { lo: [u, 0], hi: [u + 1, 1] }.placed(&place);
-                let behind = Rect2 { lo: [u, -1], hi: [u + 1, 0] }.placed(&place);
+                let front = Rect { lo: [u, 0], hi: [u + 1, 1] }.placed(&place);
+                let behind = Rect { lo: [u, -1], hi: [u + 1, 0] }.placed(&place);
                 prop_assert!(inside(front.lo[0], front.lo[1]) && !inside(behind.lo[0], behind.lo[1]));
                 prop_assert!(steps.insert((front.lo, wall.turns)));
             }
