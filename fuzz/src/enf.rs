@@ -4,7 +4,7 @@
 use enfilade::Scene;
 use twox_hash::XxHash3_64;
 
-use crate::ask;
+use crate::ask::{self, Origin};
 use crate::numbers::{Random, change_number};
 
 const HEADER: usize = 64;
@@ -16,7 +16,7 @@ const MOST_SECTIONS: usize = 64;
 /// Opens `file`, and asks the scene everything if it is one.
 pub fn check(file: &[u8]) {
     match Scene::from_bytes(file) {
-        Ok(scene) => ask::everything(&scene),
+        Ok(scene) => ask::everything(&scene, Origin::Opened),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 }

@@ -5,7 +5,8 @@ use std::collections::HashSet;
 use enfilade::importers::{ImportError, Model, tagging};
 use enfilade::{CompileOptions, compile};
 
-use crate::{ask, limits, options};
+use crate::ask::{self, Origin};
+use crate::{limits, options};
 
 /// Elements and triangles of models that go on to rays: larger ones only make the fuzzer slow.
 const MOST_ELEMENTS: usize = 32;
@@ -24,7 +25,7 @@ pub fn go_on(mut model: Model) {
         return;
     }
     // The shipped table takes longer to parse than a small file to read: not every time.
-    if model.source_hash % 16 == 0
+    if model.source_hash.is_multiple_of(64)
         && let Err(error) = tagging::tag(&mut model, &options())
     {
         panic!("a model without tags is no error: {error}");
@@ -32,7 +33,7 @@ pub fn go_on(mut model: Model) {
     let mut options = CompileOptions::default();
     options.limits = limits();
     if let Ok(compiled) = compile(&model, &options) {
-        ask::everything(&compiled.scene());
+        ask::everything(&compiled.scene(), Origin::Compiled);
     }
 }
 
