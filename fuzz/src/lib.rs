@@ -11,6 +11,7 @@ pub mod numbers;
 pub mod obj;
 pub mod rules;
 pub mod seeds;
+pub mod truth;
 
 use enfilade::importers::{ImportOptions, Limits};
 

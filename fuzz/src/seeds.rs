@@ -19,6 +19,7 @@ pub fn all() -> Vec<(&'static str, Seeds)> {
     vec![
         ("gltf", gltf()),
         ("obj", obj()),
+        ("truth", truth()),
         ("rules", rules()),
         ("enf", scenes.clone()),
         ("enf_sealed", scenes),
@@ -276,6 +277,23 @@ fn house_object(name: &str) -> Vec<u8> {
     out.into_bytes()
 }
 
+/// Models for the comparison with the truth: closed and open, overlapping, nested, turned and flat.
+pub fn truth() -> Seeds {
+    let text = |lines: &[&str]| lines.join("\n") + "\n";
+    const POINTS: &str = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 0 0 3\nv 3 0 3\nv 3 3 3\nv 0 3 3\nv 1 1 1\nv 2 1 1\n\
+                          v 1 2 1\nv 1 1 2\nv 5 1 1";
+    const CUBE: &str = "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8";
+    const PYRAMID: &str = "f 9 11 10\nf 9 10 12\nf 10 11 12\nf 11 9 12";
+    const LONG: &str = "f 9 11 13\nf 9 13 12\nf 13 11 12\nf 11 9 12";
+    vec![
+        named("solid", text(&[POINTS, "o W", CUBE])),
+        named("cavity", text(&[POINTS, "o W", CUBE, PYRAMID])),
+        named("overlap", text(&[POINTS, "o W1", CUBE, "o W2", LONG])),
+        named("room", text(&[POINTS, "o R", CUBE, "o F", PYRAMID, "o x", "f 1 2 7"])),
+        named("open", text(&[POINTS, "o W", "f 1 4 3 2\nf 1 2 6 5", "o x", "f 9 10 13\nf 1 7 4"])),
+    ]
+}
+
 /// Rules files: every key, both kinds of conditions, and the head of the shipped table.
 pub fn rules() -> Seeds {
     const KEYS: &str = "# every key\n[[rule]]\nname = '(?i)terrace|T\u{fc}r'\nother_name = '^a.*b$'\n\
@@ -360,6 +378,7 @@ mod tests {
                 match target {
                     "gltf" => crate::glb::check(&seed),
                     "obj" => crate::obj::check(&seed),
+                    "truth" => crate::truth::check(&seed),
                     "rules" => crate::rules::check(&seed),
                     _ => crate::enf::check(&seed),
                 }
