@@ -1,7 +1,6 @@
 //! Answers to rays in small models of any shape, compared with the truth.
 
 use enfilade::importers::{Model, Semantic, Untagged, obj};
-use enfilade::components::{Orientation, components};
 use enfilade::roles::roles;
 use enfilade::{CompileOptions, VerifyOptions, compile, verify};
 
@@ -17,11 +16,7 @@ const FARTHEST: f64 = 1e5;
 pub fn check(input: &[u8]) {
     let Ok(mut read) = obj::read_text(input, FILE, None, &options()) else { return };
     let far = |model: &Model| model.bounds().is_none_or(|b| b.iter().flatten().any(|c| c.abs() > FARTHEST));
-    let mixed = |model: &Model| {
-        let mut parts = model.elements.iter().flat_map(|element| components(&element.mesh));
-        parts.any(|part| part.closed && part.orientation == Orientation::Mixed)
-    };
-    if read.triangle_count() > MOST_TRIANGLES || far(&read) || mixed(&read) {
+    if read.triangle_count() > MOST_TRIANGLES || far(&read) {
         return;
     }
     model::check(&read);
