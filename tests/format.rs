@@ -188,6 +188,37 @@ fn missing_sections_and_new_versions_are_refused() {
     assert!(matches!(changed(0, b"x"), FormatError::Magic));
 }
 
+/// A file whose parts lie over each other could make opening it, or each look-up of a point, take time by the square of
+/// its size.
+#[test]
+fn parts_that_lie_over_each_other_are_refused() {
+    let changed = |section: &str, item: usize, at: usize, bytes: &[u8]| {
+        let mut file = house().to_vec();
+        let section = enf::section(&file, section);
+        enf::put(&mut file, section.start + item * section.item + at, bytes);
+        enf::seal(&mut file);
+        Scene::from_bytes(&file).map(|_| ()).unwrap_err().to_string()
+    };
+    // The second volume gets all triangles from the first one's first on.
+    let error = changed("volumes", 1, 56, &[0; 4]);
+    assert_eq!(error, "section 'volumes', item 1: it shares triangles with one before");
+
+    // The first cube with two volumes gets the first of them twice.
+    let start =
+        |cube: usize| enf::u32_at(house(), enf::section(house(), "locator").start + 4 * cube) as usize;
+    let item = start((0..).find(|&cube| start(cube + 1) - start(cube) >= 2).unwrap());
+    let first = enf::section(house(), "located").start + 4 * item;
+    let error = changed("located", item + 1, 0, &house()[first..first + 4]);
+    assert_eq!(error, format!("section 'located', item {item}: the volumes of a cube do not ascend"));
+
+    // Texts may share bytes, but all of the section is text.
+    let text = enf::section(house(), "strings");
+    assert_eq!(
+        changed("strings", text.length - 1, 0, &[0xFF]),
+        format!("section 'strings', item {}: no UTF-8", text.length - 1)
+    );
+}
+
 /// Damages some bytes in one of many ways.
 fn damage(random: &mut Random, bytes: &mut [u8]) {
     let at = random.below(bytes.len());

@@ -136,16 +136,31 @@ impl Views {
             return Err(FormatError::Table(format!("{} scene records", views.scene.len())));
         }
         if checked {
-            Check(&views).all()?;
+            Check::new(&views)?.all()?;
         }
         Ok(views)
     }
 }
 
 /// Checks that every table keeps what the format promises.
-struct Check<'a>(&'a Views);
+struct Check<'a> {
+    views: &'a Views,
+    strings: &'a str,
+}
 
-impl Check<'_> {
+impl<'a> Check<'a> {
+    /// The section `strings` is read as a whole, once: many texts may lie over each other.
+    fn new(views: &'a Views) -> Result<Check<'a>, FormatError> {
+        match std::str::from_utf8(&views.strings) {
+            Ok(strings) => Ok(Check { views, strings }),
+            Err(error) => Err(FormatError::Invalid {
+                section: "strings",
+                item: error.valid_up_to() as u64,
+                what: "no UTF-8".to_owned(),
+            }),
+        }
+    }
+
     fn all(&self) -> Result<(), FormatError> {
         self.scene()?;
         self.building()?;
@@ -158,14 +173,13 @@ impl Check<'_> {
 
     fn text(&self, section: &'static str, item: usize, text: Text) -> Result<(), FormatError> {
         let end = u64::from(text.start) + u64::from(text.len);
-        let bytes = self.0.strings.get(text.start as usize..end as usize);
-        ensure(bytes.is_some_and(|b| std::str::from_utf8(b).is_ok()), section, item, || {
+        ensure(self.strings.get(text.start as usize..end as usize).is_some(), section, item, || {
             format!("text {}..{end} is no text", text.start)
         })
     }
 
     fn scene(&self) -> Result<(), FormatError> {
-        let scene = &self.0.scene[0];
+        let scene = &self.views.scene[0];
         let check = |ok: bool, what: &str| ensure(ok, "scene", 0, || what.to_owned());
         check(scene.unit.is_finite() && scene.unit > 0.0, "the unit is no positive number")?;
         check(scene.up == 1 || scene.up == 2, "the up axis is neither Y nor Z")?;
@@ -178,7 +192,7 @@ impl Check<'_> {
     }
 
     fn building(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
         let elements = v.elements.len();
         let optional = |index: u32, count: usize| index == NONE || (index as usize) < count;
         for (i, e) in v.elements.iter().enumerate() {
@@ -213,7 +227,7 @@ impl Check<'_> {
     }
 
     fn looks(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
         for (i, m) in v.materials.iter().enumerate() {
             self.text("materials", i, m.name)?;
             let numbers = [m.alpha, m.metallic, m.roughness, m.ior, m.transmission];
@@ -237,7 +251,7 @@ impl Check<'_> {
     }
 
     fn triangles(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
         if let Some(i) = v.vertices.iter().position(|p| !p.iter().all(|c| within(*c))) {
             return invalid("vertices", i, "not finite".to_owned());
         }
@@ -252,10 +266,15 @@ impl Check<'_> {
         ensure(detail <= v.triangles.len(), "scene", 0, || format!("{detail} detail triangles"))
     }
 
+    /// No triangle is of two volumes, so that a look-up goes through each triangle at most once.
     fn volumes(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
+        let mut free = 0;
         for (i, volume) in v.volumes.iter().enumerate() {
-            let end = u64::from(volume.first_triangle) + u64::from(volume.triangle_count);
+            let start = u64::from(volume.first_triangle);
+            let end = start + u64::from(volume.triangle_count);
+            let apart = start >= std::mem::replace(&mut free, end);
+            ensure(apart, "volumes", i, || "it shares triangles with one before".to_owned())?;
             let ok = end <= v.triangles.len() as u64
                 && (volume.element as usize) < v.elements.len()
                 && (volume.room == NONE || (volume.room as usize) < v.rooms.len())
@@ -269,7 +288,7 @@ impl Check<'_> {
     }
 
     fn locator(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
         let scene = &v.scene[0];
         let ok = scene.locator_origin.iter().all(|c| within(*c))
             && scene.locator_step > 0.0
@@ -284,6 +303,11 @@ impl Check<'_> {
             && v.locator[0] == 0
             && v.locator[v.locator.len() - 1] as usize == v.located.len();
         ensure(ordered, "locator", 0, || "the starts do not ascend".to_owned())?;
+        for cube in v.locator.windows(2) {
+            let (start, end) = (cube[0] as usize, cube[1] as usize);
+            let ascending = v.located[start..end].windows(2).all(|items| items[0] < items[1]);
+            ensure(ascending, "located", start, || "the volumes of a cube do not ascend".to_owned())?;
+        }
         match v.located.iter().position(|&item| (item & !WHOLE_BIT) as usize >= v.volumes.len()) {
             Some(i) => invalid("located", i, format!("volume {}", v.located[i] & !WHOLE_BIT)),
             None => Ok(()),
@@ -293,7 +317,7 @@ impl Check<'_> {
     /// Every node but the roots is the child of exactly one node before it, and no chain is longer than the kernels'
     /// stacks allow: so every walk ends.
     fn hierarchy(&self) -> Result<(), FormatError> {
-        let v = self.0;
+        let v = self.views;
         let mut depth = vec![0u32; v.nodes.len()];
         for cell in v.cells.iter().filter(|c| c.root != NONE) {
             depth[cell.root as usize] = 1;

@@ -2,9 +2,13 @@
 
 use regex::{Regex, RegexBuilder};
 
-/// Bytes that one compiled expression, and its cache, may use each. Enough for long alternations and Unicode
-/// classes; bounds what a rules file can cost.
-const SIZE_LIMIT: usize = 256 << 10;
+/// Bytes that one compiled expression may use: the least of these that it fits in is what it costs. The largest is
+/// enough for long alternations and Unicode classes, and bounds an expression's cache, too.
+const SIZES: [usize; 3] = [8 << 10, 64 << 10, 256 << 10];
+const SIZE_LIMIT: usize = SIZES[2];
+
+/// Bytes that all expressions of a rules file may use together.
+const SUM_LIMIT: usize = 64 << 20;
 
 /// Depth of groups in an expression.
 const NEST_LIMIT: u32 = 50;
@@ -24,24 +28,50 @@ pub(super) enum Matcher {
     Pattern(Regex),
 }
 
-impl Matcher {
+/// Compiles the conditions of one rules file, and counts what they cost.
+#[derive(Clone, Debug)]
+pub(super) struct Compiler {
+    /// Bytes that further expressions may use.
+    left: usize,
+}
+
+impl Compiler {
+    /// With nothing compiled yet.
+    pub fn new() -> Compiler {
+        Compiler { left: SUM_LIMIT }
+    }
+
     /// Compiles `pattern`.
     ///
     /// # Errors
-    /// The message of the expression's parser, or that it is too large.
-    pub fn new(pattern: &str) -> Result<Matcher, String> {
+    /// The message of the expression's parser, or that it is too large, alone or together with those before.
+    pub fn compile(&mut self, pattern: &str) -> Result<Matcher, String> {
         if let Some((names, any_case)) = plain_names(pattern) {
             return Ok(Matcher::Names { names, any_case });
         }
-        RegexBuilder::new(pattern)
-            .size_limit(SIZE_LIMIT)
-            .dfa_size_limit(SIZE_LIMIT)
-            .nest_limit(NEST_LIMIT)
-            .build()
-            .map(Matcher::Pattern)
-            .map_err(|e| e.to_string())
+        let mut error = String::new();
+        for size in SIZES {
+            if size > self.left {
+                return Err(format!(
+                    "the expressions of this file are too large together: over {} MiB",
+                    SUM_LIMIT >> 20
+                ));
+            }
+            let mut builder = RegexBuilder::new(pattern);
+            match builder.size_limit(size).dfa_size_limit(SIZE_LIMIT).nest_limit(NEST_LIMIT).build() {
+                Ok(regex) => {
+                    self.left -= size;
+                    return Ok(Matcher::Pattern(regex));
+                }
+                Err(too_big @ regex::Error::CompiledTooBig(_)) => error = too_big.to_string(),
+                Err(other) => return Err(other.to_string()),
+            }
+        }
+        Err(error)
     }
+}
 
+impl Matcher {
     /// Whether `text` meets the condition.
     pub fn is_match(&self, text: &str) -> bool {
         match self {
@@ -101,11 +131,33 @@ mod tests {
 
     #[test]
     fn bad_and_huge_expressions_are_refused() {
-        assert!(Matcher::new("(").unwrap_err().contains("unclosed group"));
-        assert!(Matcher::new(r"(?i)(\w{100}){100}").unwrap_err().contains("size limit"));
-        assert!(Matcher::new(&"(".repeat(200)).is_err());
-        assert!(Matcher::new(&format!("{}a{}", "(".repeat(200), ")".repeat(200))).is_err());
-        assert!(Matcher::new(r"(?i)(^|[^\pL])(verglasung|glas|w\w*d)([^\pL]|$)").is_ok());
+        let compile = |pattern: &str| Compiler::new().compile(pattern);
+        assert!(compile("(").unwrap_err().contains("unclosed group"));
+        assert!(compile(r"(?i)(\w{100}){100}").unwrap_err().contains("size limit"));
+        assert!(compile(&"(".repeat(200)).is_err());
+        assert!(compile(&format!("{}a{}", "(".repeat(200), ")".repeat(200))).is_err());
+        assert!(compile(r"(?i)(^|[^\pL])(verglasung|glas|w\w*d)([^\pL]|$)").is_ok());
+    }
+
+    /// As many of the largest expressions as there may be conditions would take gigabytes.
+    #[test]
+    fn expressions_are_bounded_together() {
+        let (mut compiler, mut taken) = (Compiler::new(), 0);
+        let error = loop {
+            match compiler.compile(&format!(r"{taken}\w{{5}}")) {
+                Ok(_) => taken += 1,
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(taken, SUM_LIMIT / SIZE_LIMIT);
+        assert_eq!(error, "the expressions of this file are too large together: over 64 MiB");
+        // Small ones are counted as such, names not at all.
+        let mut compiler = Compiler::new();
+        for i in 0..4096 {
+            compiler.compile(&format!("(?i)small {i}")).unwrap();
+            compiler.compile(&format!("^Name{i}$")).unwrap();
+        }
+        assert_eq!(compiler.left, SUM_LIMIT - 4096 * SIZES[0]);
     }
 
     proptest! {
@@ -118,7 +170,7 @@ mod tests {
             flags in prop_oneof![Just(""), Just("(?i)"), Just("(?x)"), Just("(?ix)")],
         ) {
             let pattern = format!("{flags}^({})$", names.join("|"));
-            let quick = Matcher::new(&pattern).unwrap();
+            let quick = Compiler::new().compile(&pattern).unwrap();
             let is_quick = matches!(quick, Matcher::Names { .. });
             prop_assert!(is_quick);
             prop_assert_eq!(quick.is_match(&text), Regex::new(&pattern).unwrap().is_match(&text));

@@ -8,14 +8,14 @@ use std::sync::Arc;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::matcher::Matcher;
+use super::matcher::{Compiler, Matcher};
 use crate::error::{ImportError, ImportErrorKind};
 use crate::semantic::Semantic;
 
 /// Bytes of the longest rules file.
 const MAX_TEXT: usize = 4 << 20;
 
-/// Rules and conditions in one file, at most: they bound the memory that compiled expressions take.
+/// Rules and conditions in one file, at most.
 const MAX_RULES: usize = 4096;
 const MAX_CONDITIONS: usize = 4096;
 
@@ -114,14 +114,16 @@ impl Rules {
             return Err(fail(None, format!("{} rules, over the limit of {MAX_RULES}", file.rule.len())));
         }
         let mut conditions = 0;
+        let mut compiler = Compiler::new();
         let mut rules = Vec::with_capacity(file.rule.len());
         for (index, rule) in file.rule.into_iter().enumerate() {
             let number = index + 1;
             let start = rule.span().start;
             let rule = rule.into_inner();
-            let compile = |key: &str, pattern: &Spanned<String>| {
+            let mut compile = |key: &str, pattern: &Spanned<String>| {
                 let at = pattern.span().start;
-                Matcher::new(pattern.as_ref())
+                compiler
+                    .compile(pattern.as_ref())
                     .map_err(|message| fail(Some(at), format!("rule {number}, '{key}': {message}")))
             };
             let class = rule.class.as_ref().map(|pattern| compile("class", pattern)).transpose()?;
