@@ -2,7 +2,8 @@
 
 use super::attach::{Attached, Outline};
 use super::building::Building;
-use super::complex::{Apse, Roof, draw};
+use super::complex::{Apse, Roof};
+use super::drawing::draw;
 use super::offices::OfficeOptions;
 use super::uses::Use;
 use super::wing::{Bay, End, Facade, Wing};
