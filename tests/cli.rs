@@ -99,7 +99,7 @@ fn generate_makes_the_fixtures() {
         let ran = folder.run(&["generate", "house", "-o", output]).expect(0);
         assert!(ran.out.is_empty());
     }
-    assert_eq!(folder.names(), ["house.glb", "house.mtl", "house.obj"]);
+    assert_eq!(folder.names(), ["house.glb", "house.mtl", "house.obj", "house.truth.json"]);
     for name in folder.names() {
         assert!(folder.read(&name) == std::fs::read(fixture_arg(&name)).unwrap(), "{name} differs");
     }
