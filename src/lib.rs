@@ -61,7 +61,11 @@ pub mod generate;
 #[cfg(feature = "compile")]
 pub mod inspect;
 #[cfg(feature = "compile")]
+pub mod lattice;
+#[cfg(feature = "compile")]
 pub mod oracle;
+#[cfg(feature = "compile")]
+pub mod partition;
 #[cfg(feature = "render")]
 pub mod render;
 #[cfg(feature = "compile")]
