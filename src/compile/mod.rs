@@ -7,7 +7,7 @@ mod building;
 mod bvh;
 mod geometry;
 mod locator;
-mod outward;
+pub(crate) mod outward;
 mod report;
 
 use std::time::Instant;

@@ -14,22 +14,22 @@ use crate::trace::crossings;
 
 /// What was found out about a closed component.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Outward {
+pub(crate) struct Outward {
     /// Its triangles, turned where they disagreed, as corners in the mesh's positions, in the order of the component.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// How many were turned.
-    pub(super) turned: u64,
+    pub(crate) turned: u64,
     /// Whether the winding number decides about inside and outside (else the parity of crossings does).
-    pub(super) by_winding: bool,
+    pub(crate) by_winding: bool,
     /// Volume, m3: negative if the triangles look inward.
-    pub(super) volume: f64,
+    pub(crate) volume: f64,
 }
 
 /// Components with more patches than this are not turned: every patch costs a look at all triangles.
 const MOST_PATCHES: usize = 512;
 
 /// The triangles of a closed component, made to agree as far as that can be told.
-pub(super) fn turn_outward(mesh: &Mesh, component: &Component) -> Outward {
+pub(crate) fn turn_outward(mesh: &Mesh, component: &Component) -> Outward {
     let mut triangles: Vec<[u32; 3]> =
         component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
     let mut turned = 0;

@@ -24,8 +24,8 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// No plane is steeper along either axis: what is counts as vertical. Bounds heights to 2^61.
-    pub const STEEPEST: f64 = 1024.0;
+    /// No plane is steeper along either axis: what is counts as vertical. Bounds heights to 2^62.
+    pub const STEEPEST: f64 = 4096.0;
 
     /// The horizontal plane at `z` lattice units.
     pub const fn level(z: i32) -> Plane {
@@ -70,13 +70,13 @@ mod tests {
     fn heights_are_exact_and_fit() {
         assert_eq!(Plane::level(-5).height(Point::new(7, 9)), -5 * FINE);
         let far = 1 << 24;
-        let steep = Plane::sloped([1024.0, -1024.0], [0.0, 0.0, f64::from(far)]).unwrap();
+        let steep = Plane::sloped([4096.0, -4096.0], [0.0, 0.0, f64::from(far)]).unwrap();
         for (x, y) in [(far, -far), (-far, far), (far, far)] {
-            let exact = 1024 * (i128::from(x) - i128::from(y)) * i128::from(FINE)
+            let exact = 4096 * (i128::from(x) - i128::from(y)) * i128::from(FINE)
                 + i128::from(far) * i128::from(FINE);
             assert_eq!(i128::from(steep.height(Point::new(x, y))), exact);
         }
-        assert!(Plane::sloped([1025.0, 0.0], [0.0; 3]).is_none());
+        assert!(Plane::sloped([4097.0, 0.0], [0.0; 3]).is_none());
         assert!(Plane::sloped([f64::NAN, 0.0], [0.0; 3]).is_none());
     }
 

@@ -5,4 +5,11 @@
 //! triangle of the plan the faces stand in order of height: a *column* with a stack of intervals; columns merge into
 //! *cells*: prisms with a convex footprint, one floor plane and one ceiling plane.
 
+mod bodies;
 pub mod cells;
+mod columns;
+mod crossings;
+mod faces;
+mod labels;
+mod plan;
+mod slabs;

@@ -1,0 +1,268 @@
+//! Slabs: the hull cut at the few levels that carry much area, and the faces of the bodies in each.
+//!
+//! A *face* of a slab is what one body has in one plane; its boundary is a *chain* of signed plan edges. Crossing an edge of
+//! the chain in the plan goes on or off the face. Where a body is cut by the slab's lower level, a cap closes it: the
+//! cut itself is the cap's chain. Moving vertices keeps every chain closed, whatever it does to the faces' shapes.
+
+use std::collections::BTreeMap;
+
+use super::bodies::Vertex;
+use super::faces::{Lie, Triangle};
+use crate::lattice::{Lattice, Plane, Point};
+
+/// A face: what one body has in one plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct SlabFace {
+    pub(super) plane: Plane,
+    pub(super) body: u32,
+}
+
+/// A vertical piece of surface over a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Upright {
+    /// Index of the segment.
+    pub(super) segment: u32,
+    /// Index of the triangle.
+    pub(super) triangle: u32,
+    pub(super) low: i32,
+    pub(super) high: i32,
+}
+
+/// What a slab holds, before anything is rounded.
+#[derive(Debug)]
+pub(super) struct Slab {
+    /// Its lower and upper level.
+    pub(super) levels: [i32; 2],
+    /// Segments of the plan; the first four are the hull's sides.
+    pub(super) segments: Vec<[Point; 2]>,
+    pub(super) faces: Vec<SlabFace>,
+    /// (segment, face, how often the face lies on its left less on its right)
+    pub(super) chains: Vec<(u32, u32, i32)>,
+    pub(super) uprights: Vec<Upright>,
+    /// Pieces of sloped and level faces, for their intersections: index of the face and the polygon.
+    pub(super) pieces: Vec<(u32, Vec<Point>)>,
+}
+
+/// A level counts as a storey's if it carries this share of the area of the level that carries most.
+const SHARE: f64 = 0.3;
+/// Levels are at least so far apart, metres.
+const APART: f64 = 0.15;
+
+/// The levels at which the hull is cut, from its bottom to its top.
+pub(super) fn choose_levels(triangles: &[Triangle], hull: [[i32; 3]; 2], lattice: &Lattice) -> Vec<i32> {
+    let mut area: BTreeMap<i32, i128> = BTreeMap::new();
+    for t in triangles {
+        if let Lie::Flat(plane) = t.lie
+            && plane.is_level()
+            && t.double_area() > 0
+        {
+            *area.entry(t.corners[0].z).or_default() += i128::from(t.double_area());
+        }
+    }
+    let most = area.values().copied().max().unwrap_or(0);
+    let mut candidates: Vec<(i128, i32)> = area
+        .into_iter()
+        .map(|(z, area)| (area, z))
+        .filter(|&(area, _)| area as f64 >= SHARE * most as f64)
+        .collect();
+    candidates.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+    let apart = lattice.steps(APART) as i32;
+    let mut levels = vec![hull[0][2], hull[1][2]];
+    for (_, z) in candidates {
+        if levels.iter().all(|l| (l - z).abs() >= apart) {
+            levels.push(z);
+        }
+    }
+    levels.sort_unstable();
+    levels
+}
+
+/// The slab between two levels.
+pub(super) fn cut(triangles: &[Triangle], levels: [i32; 2], hull: [[i32; 3]; 2]) -> Slab {
+    let [lo, hi] = [0, 1].map(|end| Point::new(hull[end][0], hull[end][1]));
+    let corners = [lo, Point::new(hi.x, lo.y), hi, Point::new(lo.x, hi.y)];
+    let mut draft = Draft::default();
+    for i in 0..4 {
+        draft.segment(corners[i], corners[(i + 1) % 4]);
+    }
+    for (index, t) in triangles.iter().enumerate() {
+        draft.add(index as u32, t, levels);
+    }
+    draft.finish(levels)
+}
+
+#[derive(Default)]
+struct Draft {
+    segments: Vec<[Point; 2]>,
+    index: BTreeMap<[Point; 2], u32>,
+    faces: BTreeMap<SlabFace, u32>,
+    chains: Vec<(u32, u32, i32)>,
+    uprights: Vec<Upright>,
+    pieces: Vec<(u32, Vec<Point>)>,
+}
+
+impl Draft {
+    /// Index of the segment between two points, and whether it runs as given; `None` between equal points.
+    fn segment(&mut self, a: Point, b: Point) -> Option<(u32, bool)> {
+        if a == b {
+            return None;
+        }
+        let key = if a < b { [a, b] } else { [b, a] };
+        let next = self.segments.len() as u32;
+        let index = *self.index.entry(key).or_insert(next);
+        if index == next {
+            self.segments.push(key);
+        }
+        Some((index, a < b))
+    }
+
+    fn face(&mut self, body: u32, plane: Plane) -> u32 {
+        let next = self.faces.len() as u32;
+        *self.faces.entry(SlabFace { plane, body }).or_insert(next)
+    }
+
+    fn link(&mut self, face: u32, a: Point, b: Point) {
+        if let Some((segment, forward)) = self.segment(a, b) {
+            self.chains.push((segment, face, if forward { 1 } else { -1 }));
+        }
+    }
+
+    fn add(&mut self, index: u32, t: &Triangle, levels: [i32; 2]) {
+        let [low, high] = t.rise();
+        let [bottom, top] = levels;
+        if high <= bottom || low >= top {
+            return;
+        }
+        if low <= bottom {
+            self.cap(t, bottom);
+        }
+        let polygon = clip(t.corners, levels);
+        if polygon.len() < 3 {
+            return;
+        }
+        let (lowest, highest) = polygon.iter().fold((top, bottom), |(l, h), v| (l.min(v.z), h.max(v.z)));
+        let plane = match t.lie {
+            Lie::Flat(plane) => plane,
+            Lie::Vertical => {
+                let mut ends: Vec<Point> = polygon.iter().map(|v| v.at).collect();
+                ends.sort_unstable();
+                self.upright(index, [ends[0], ends[ends.len() - 1]], [lowest, highest]);
+                return;
+            }
+            Lie::Sheet => {
+                for i in 0..polygon.len() {
+                    let ends = [polygon[i].at, polygon[(i + 1) % polygon.len()].at];
+                    self.upright(index, ends, [lowest, highest]);
+                }
+                // Matter shrinks, labels grow.
+                let looks_up = t.double_area() > 0;
+                Plane::level(if looks_up == t.is_solid { lowest } else { highest })
+            }
+        };
+        let face = self.face(t.body, plane);
+        for i in 0..polygon.len() {
+            self.link(face, polygon[i].at, polygon[(i + 1) % polygon.len()].at);
+        }
+        self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
+    }
+
+    fn upright(&mut self, triangle: u32, [a, b]: [Point; 2], [low, high]: [i32; 2]) {
+        if let Some((segment, _)) = self.segment(a, b)
+            && low < high
+        {
+            self.uprights.push(Upright { segment, triangle, low, high });
+        }
+    }
+
+    /// The cut of a triangle at `level`, as part of the cap of what lies above.
+    fn cap(&mut self, t: &Triangle, level: i32) {
+        let (mut from, mut to) = (None, None);
+        for i in 0..3 {
+            let (a, b) = (t.corners[i], t.corners[(i + 1) % 3]);
+            match (a.z > level, b.z > level) {
+                (true, false) => to = Some(crossing(b, a, level)),
+                (false, true) => from = Some(crossing(a, b, level)),
+                _ => {}
+            }
+        }
+        if let (Some(from), Some(to)) = (from, to) {
+            let face = self.face(t.body, Plane::level(level));
+            self.link(face, from, to);
+        }
+    }
+
+    fn finish(mut self, levels: [i32; 2]) -> Slab {
+        self.chains.sort_unstable();
+        let mut chains: Vec<(u32, u32, i32)> = Vec::with_capacity(self.chains.len());
+        for run in self.chains.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let sum: i32 = run.iter().map(|entry| entry.2).sum();
+            if sum != 0 {
+                chains.push((run[0].0, run[0].1, sum));
+            }
+        }
+        self.uprights.sort_unstable();
+        self.uprights.dedup();
+        // Segments inside of faces have cancelled.
+        let mut used = vec![false; self.segments.len()];
+        used[..4].fill(true);
+        chains.iter().for_each(|c| used[c.0 as usize] = true);
+        self.uprights.iter().for_each(|u| used[u.segment as usize] = true);
+        let mut new = vec![u32::MAX; used.len()];
+        let mut segments = Vec::new();
+        for (i, segment) in self.segments.iter().enumerate() {
+            if used[i] {
+                new[i] = segments.len() as u32;
+                segments.push(*segment);
+            }
+        }
+        chains.iter_mut().for_each(|c| c.0 = new[c.0 as usize]);
+        self.uprights.iter_mut().for_each(|u| u.segment = new[u.segment as usize]);
+        let mut faces: Vec<(u32, SlabFace)> = self.faces.into_iter().map(|(face, i)| (i, face)).collect();
+        faces.sort_unstable();
+        Slab {
+            levels,
+            segments,
+            faces: faces.into_iter().map(|(_, face)| face).collect(),
+            chains,
+            uprights: self.uprights,
+            pieces: self.pieces,
+        }
+    }
+}
+
+/// The part of a triangle strictly between two levels, closed again: counter-clockwise as the triangle is.
+fn clip(corners: [Vertex; 3], [bottom, top]: [i32; 2]) -> Vec<Vertex> {
+    let mut above = Vec::with_capacity(5);
+    for i in 0..3 {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        if a.z > bottom {
+            above.push(a);
+        }
+        if (a.z > bottom) != (b.z > bottom) {
+            let (low, high) = if a.z > bottom { (b, a) } else { (a, b) };
+            above.push(Vertex { at: crossing(low, high, bottom), z: bottom });
+        }
+    }
+    let mut kept = Vec::with_capacity(5);
+    for i in 0..above.len() {
+        let (a, b) = (above[i], above[(i + 1) % above.len()]);
+        if a.z < top {
+            kept.push(a);
+        }
+        if (a.z < top) != (b.z < top) {
+            let (low, high) = if a.z < top { (a, b) } else { (b, a) };
+            kept.push(Vertex { at: crossing(low, high, top), z: top });
+        }
+    }
+    kept
+}
+
+/// Where the edge from `low` up to `high` passes `level`, rounded. The same for all triangles on the edge.
+fn crossing(low: Vertex, high: Vertex, level: i32) -> Point {
+    let (part, whole) = (i64::from(level) - i64::from(low.z), i64::from(high.z) - i64::from(low.z));
+    let at = |a: i32, b: i32| {
+        let product = (i64::from(b) - i64::from(a)) * part;
+        a + (2 * product + whole).div_euclid(2 * whole) as i32
+    };
+    Point::new(at(low.at.x, high.at.x), at(low.at.y, high.at.y))
+}
