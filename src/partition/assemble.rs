@@ -1,0 +1,288 @@
+//! From prisms to cells: what lies beyond each part of their sides, floors and ceilings.
+
+use std::collections::HashMap;
+
+use enfilade_importers::ElementId;
+
+use super::cells::{Cell, Cover, Face, Label, NONE, Partition, Section};
+use super::overlap::Overlaps;
+use super::regions::{Regions, Side, Simple};
+use super::stacks::Item;
+use crate::lattice::{Lattice, Plane, Point};
+
+/// A slab cut into prisms.
+pub(super) struct Built {
+    pub(super) simple: Simple,
+    pub(super) regions: Regions,
+    /// Its own planes: the lower level, the upper level, others.
+    pub(super) planes: Vec<Plane>,
+}
+
+/// Puts the slabs together, from the lowest to the highest.
+pub(super) fn assemble(
+    lattice: Lattice,
+    hull: [[i32; 3]; 2],
+    slabs: &[Built],
+    detail: Vec<(ElementId, u32)>,
+) -> Partition {
+    let mut partition = Partition {
+        lattice,
+        hull,
+        planes: Vec::new(),
+        cells: Vec::new(),
+        sections: Vec::new(),
+        faces: Vec::new(),
+        covers: Vec::new(),
+        sources: Vec::new(),
+        detail,
+    };
+    let mut index: HashMap<Plane, u32> = HashMap::new();
+    let mut unlabelled = Vec::new();
+    let mut firsts = Vec::with_capacity(slabs.len());
+    for slab in slabs {
+        let planes: Vec<u32> = slab
+            .planes
+            .iter()
+            .map(|plane| {
+                *index.entry(*plane).or_insert_with(|| {
+                    partition.planes.push(*plane);
+                    partition.planes.len() as u32 - 1
+                })
+            })
+            .collect();
+        firsts.push(partition.cells.len() as u32);
+        Sides::new(slab, partition.cells.len() as u32).add(&planes, &mut partition, &mut unlabelled);
+    }
+    cover(slabs, &firsts, &mut partition);
+    tell_exterior(&mut partition, &unlabelled);
+    partition
+}
+
+/// Finds what lies beyond the sides of a slab's prisms.
+struct Sides<'a> {
+    slab: &'a Built,
+    first: u32,
+    /// The prism inside a border's side, by region and side.
+    at_side: HashMap<(u32, Side), u32>,
+    /// The prism on the left of an edge, by region and edge.
+    at_edge: HashMap<(u32, u32, u32), u32>,
+}
+
+impl<'a> Sides<'a> {
+    fn new(slab: &'a Built, first: u32) -> Sides<'a> {
+        let mut sides = Sides { slab, first, at_side: HashMap::new(), at_edge: HashMap::new() };
+        for (p, prism) in slab.regions.prisms.iter().enumerate() {
+            let p = p as u32;
+            for (i, &a) in prism.footprint.iter().enumerate() {
+                let b = prism.footprint[(i + 1) % prism.footprint.len()];
+                let key = (prism.region, a, b);
+                sides.at_edge.insert(key, p);
+                for &side in slab.regions.borders.get(&key).into_iter().flatten() {
+                    sides.at_side.insert((prism.region, side), p);
+                }
+            }
+        }
+        sides
+    }
+
+    fn add(&self, planes: &[u32], partition: &mut Partition, unlabelled: &mut Vec<bool>) {
+        let regions = &self.slab.regions;
+        for prism in &regions.prisms {
+            let item = regions.items[prism.region as usize];
+            let first_section = partition.sections.len() as u32;
+            for (i, &a) in prism.footprint.iter().enumerate() {
+                let b = prism.footprint[(i + 1) % prism.footprint.len()];
+                match regions.borders.get(&(prism.region, a, b)) {
+                    None => {
+                        let beyond = self.at_edge.get(&(prism.region, b, a));
+                        let cell = beyond.map_or(NONE, |p| self.first + p);
+                        let faces = vec![Face { top: NONE, cover: Cover { cell, source: NONE } }];
+                        push(partition, self.point(a), &faces);
+                    }
+                    Some(sides) => {
+                        let mut before: Vec<Face> = Vec::new();
+                        for &side in sides {
+                            let start = self.slab.simple.plan.triangles[side.triangle as usize][side.edge as usize];
+                            let faces = self.faces(item, side, planes);
+                            // What goes on straight with the same beyond it is one section.
+                            if faces != before {
+                                push(partition, self.point(start), &faces);
+                            }
+                            before = faces;
+                        }
+                    }
+                }
+            }
+            partition.cells.push(Cell {
+                label: item.fill.unwrap_or(Label::Void),
+                floor: planes[item.floor as usize],
+                ceiling: planes[item.ceiling as usize],
+                sections: first_section..partition.sections.len() as u32,
+                below: 0..0,
+                above: 0..0,
+            });
+            unlabelled.push(item.fill.is_none());
+        }
+    }
+
+    fn point(&self, v: u32) -> Point {
+        self.slab.simple.plan.points[v as usize]
+    }
+
+    /// What lies beyond a side of an item, from the floor up.
+    fn faces(&self, item: Item, side: Side, planes: &[u32]) -> Vec<Face> {
+        let simple = &self.slab.simple;
+        let other = simple.plan.across[side.triangle as usize][side.edge as usize];
+        if other == NONE {
+            return vec![Face { top: NONE, cover: Cover { cell: NONE, source: NONE } }];
+        }
+        let corners = simple.plan.triangles[side.triangle as usize];
+        let ends = [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
+        let height = |plane: u32| -> i128 {
+            ends.iter().map(|&e| i128::from(self.slab.planes[plane as usize].height(e))).sum()
+        };
+        let (floor, ceiling) = (height(item.floor), height(item.ceiling));
+        let back = simple.plan.across[other as usize].iter().position(|&t| t == side.triangle).unwrap_or(0);
+        let beyond = Side { triangle: other, edge: back as u32 };
+        let stack = &simple.kinds[simple.kind[other as usize] as usize];
+        let cell = |k: usize| {
+            let region = self.slab.regions.of(other, k);
+            self.at_side.get(&(region, beyond)).map_or(NONE, |p| self.first + p)
+        };
+        let mut faces: Vec<Face> = Vec::new();
+        for (k, there) in stack.iter().enumerate() {
+            let (low, high) = (height(there.floor).max(floor), height(there.ceiling).min(ceiling));
+            if low < high {
+                let top = if height(there.ceiling) < ceiling { planes[there.ceiling as usize] } else { NONE };
+                faces.push(Face { top, cover: Cover { cell: cell(k), source: NONE } });
+            }
+        }
+        match faces.last_mut() {
+            Some(last) => last.top = NONE,
+            None => {
+                // No height here: whatever lies at that height.
+                let k = stack.iter().position(|there| height(there.ceiling) >= ceiling).unwrap_or(stack.len() - 1);
+                faces.push(Face { top: NONE, cover: Cover { cell: cell(k), source: NONE } });
+            }
+        }
+        faces
+    }
+}
+
+/// Adds a section with its faces.
+fn push(partition: &mut Partition, start: Point, faces: &[Face]) {
+    let first = partition.faces.len() as u32;
+    partition.faces.extend_from_slice(faces);
+    partition.sections.push(Section { start, faces: first..partition.faces.len() as u32 });
+}
+
+/// Finds what lies below floors and above ceilings.
+fn cover(slabs: &[Built], firsts: &[u32], partition: &mut Partition) {
+    // Pairs of (cell above, cell below) that touch.
+    let mut touching: Vec<(u32, u32)> = Vec::new();
+    for (s, slab) in slabs.iter().enumerate() {
+        let prisms = &slab.regions.prisms;
+        let mut by_plane: HashMap<u32, [Vec<u32>; 2]> = HashMap::new();
+        for (p, prism) in prisms.iter().enumerate() {
+            let item = slab.regions.items[prism.region as usize];
+            by_plane.entry(item.floor).or_default()[0].push(p as u32 + firsts[s]);
+            by_plane.entry(item.ceiling).or_default()[1].push(p as u32 + firsts[s]);
+        }
+        let mut planes: Vec<u32> = by_plane.keys().copied().collect();
+        planes.sort_unstable();
+        for plane in planes {
+            let [mut above, below] = by_plane.remove(&plane).unwrap_or_default();
+            if plane == 0 {
+                continue;
+            }
+            if plane == 1 {
+                // The next slab's cells on its own lower level.
+                let Some(next) = slabs.get(s + 1) else { continue };
+                above = next
+                    .regions
+                    .prisms
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, prism)| next.regions.items[prism.region as usize].floor == 0)
+                    .map(|(p, _)| p as u32 + firsts[s + 1])
+                    .collect();
+            }
+            pair(partition, &above, &below, &mut touching);
+        }
+    }
+    let mut add = |of: &dyn Fn(&(u32, u32)) -> (u32, u32), is_above: bool| {
+        let mut pairs: Vec<(u32, u32)> = touching.iter().map(of).collect();
+        pairs.sort_unstable();
+        let mut next = 0;
+        for cell in 0..partition.cells.len() as u32 {
+            let start = partition.covers.len() as u32;
+            while next < pairs.len() && pairs[next].0 == cell {
+                partition.covers.push(Cover { cell: pairs[next].1, source: NONE });
+                next += 1;
+            }
+            if partition.covers.len() as u32 == start {
+                partition.covers.push(Cover { cell: NONE, source: NONE });
+            }
+            let range = start..partition.covers.len() as u32;
+            let cell = &mut partition.cells[cell as usize];
+            if is_above {
+                cell.above = range;
+            } else {
+                cell.below = range;
+            }
+        }
+    };
+    add(&|&(above, below)| (above, below), false);
+    add(&|&(above, below)| (below, above), true);
+}
+
+/// Adds the pairs of cells whose footprints overlap.
+fn pair(partition: &Partition, above: &[u32], below: &[u32], touching: &mut Vec<(u32, u32)>) {
+    if above.is_empty() || below.is_empty() {
+        return;
+    }
+    let footprint = |cell: u32| -> Vec<Point> {
+        // Without points on straight lines: they separate nothing.
+        partition.footprint(&partition.cells[cell as usize]).collect()
+    };
+    let upper: Vec<Vec<Point>> = above.iter().map(|&c| footprint(c)).collect();
+    let overlaps = Overlaps::new(&upper);
+    for &low in below {
+        overlaps.each(&footprint(low), |i| touching.push((above[i], low)));
+    }
+}
+
+/// Unlabelled air that hangs together with the hull is exterior.
+fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
+    let neighbours = |cell: &Cell| {
+        let sections = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
+        let sides = sections
+            .iter()
+            .flat_map(|s| &partition.faces[s.faces.start as usize..s.faces.end as usize])
+            .map(|face| face.cover.cell);
+        let ends = [&cell.below, &cell.above];
+        let ends = ends.into_iter().flat_map(|r| &partition.covers[r.start as usize..r.end as usize]);
+        sides.chain(ends.map(|cover| cover.cell)).collect::<Vec<u32>>()
+    };
+    let mut is_exterior = vec![false; partition.cells.len()];
+    let mut waiting = Vec::new();
+    for (c, cell) in partition.cells.iter().enumerate() {
+        if unlabelled[c] && neighbours(cell).contains(&NONE) {
+            is_exterior[c] = true;
+            waiting.push(c);
+        }
+    }
+    while let Some(c) = waiting.pop() {
+        for other in neighbours(&partition.cells[c]) {
+            if other != NONE && unlabelled[other as usize] && !is_exterior[other as usize] {
+                is_exterior[other as usize] = true;
+                waiting.push(other as usize);
+            }
+        }
+    }
+    for (c, cell) in partition.cells.iter_mut().enumerate() {
+        if unlabelled[c] {
+            cell.label = if is_exterior[c] { Label::Exterior } else { Label::Void };
+        }
+    }
+}
