@@ -17,7 +17,7 @@ mod overlap;
 mod plan;
 mod regions;
 mod slabs;
-mod snap;
+pub mod snap;
 mod stacks;
 mod straighten;
 
