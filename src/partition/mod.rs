@@ -6,3 +6,4 @@
 //! *cells*: prisms with a convex footprint, one floor plane and one ceiling plane.
 
 pub mod cells;
+pub mod convex;
