@@ -102,7 +102,8 @@ impl<'a> Sides<'a> {
                     Some(sides) => {
                         let mut before: Vec<Face> = Vec::new();
                         for &side in sides {
-                            let start = self.slab.simple.plan.triangles[side.triangle as usize][side.edge as usize];
+                            let start =
+                                self.slab.simple.plan.triangles[side.triangle as usize][side.edge as usize];
                             let faces = self.faces(item, side, planes);
                             // What goes on straight with the same beyond it is one section.
                             if faces != before {
@@ -137,7 +138,8 @@ impl<'a> Sides<'a> {
             return vec![Face { top: NONE, cover: Cover { cell: NONE, source: NONE } }];
         }
         let corners = simple.plan.triangles[side.triangle as usize];
-        let ends = [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
+        let ends =
+            [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
         let height = |plane: u32| -> i128 {
             ends.iter().map(|&e| i128::from(self.slab.planes[plane as usize].height(e))).sum()
         };
@@ -161,7 +163,10 @@ impl<'a> Sides<'a> {
             Some(last) => last.top = NONE,
             None => {
                 // No height here: whatever lies at that height.
-                let k = stack.iter().position(|there| height(there.ceiling) >= ceiling).unwrap_or(stack.len() - 1);
+                let k = stack
+                    .iter()
+                    .position(|there| height(there.ceiling) >= ceiling)
+                    .unwrap_or(stack.len() - 1);
                 faces.push(Face { top: NONE, cover: Cover { cell: cell(k), source: NONE } });
             }
         }
@@ -254,26 +259,16 @@ fn pair(partition: &Partition, above: &[u32], below: &[u32], touching: &mut Vec<
 
 /// Unlabelled air that hangs together with the hull is exterior.
 fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
-    let neighbours = |cell: &Cell| {
-        let sections = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
-        let sides = sections
-            .iter()
-            .flat_map(|s| &partition.faces[s.faces.start as usize..s.faces.end as usize])
-            .map(|face| face.cover.cell);
-        let ends = [&cell.below, &cell.above];
-        let ends = ends.into_iter().flat_map(|r| &partition.covers[r.start as usize..r.end as usize]);
-        sides.chain(ends.map(|cover| cover.cell)).collect::<Vec<u32>>()
-    };
     let mut is_exterior = vec![false; partition.cells.len()];
     let mut waiting = Vec::new();
     for (c, cell) in partition.cells.iter().enumerate() {
-        if unlabelled[c] && neighbours(cell).contains(&NONE) {
+        if unlabelled[c] && partition.neighbours(cell).any(|beyond| beyond == NONE) {
             is_exterior[c] = true;
             waiting.push(c);
         }
     }
     while let Some(c) = waiting.pop() {
-        for other in neighbours(&partition.cells[c]) {
+        for other in partition.neighbours(&partition.cells[c]) {
             if other != NONE && unlabelled[other as usize] && !is_exterior[other as usize] {
                 is_exterior[other as usize] = true;
                 waiting.push(other as usize);

@@ -111,4 +111,16 @@ impl Partition {
     pub fn footprint(&self, cell: &Cell) -> impl ExactSizeIterator<Item = Point> + Clone {
         self.sections[cell.sections.start as usize..cell.sections.end as usize].iter().map(|s| s.start)
     }
+
+    /// The cells beyond all parts of a cell's surface, [`NONE`] for the hull's outside; one may come often.
+    pub fn neighbours<'a>(&'a self, cell: &Cell) -> impl Iterator<Item = u32> + 'a {
+        let sections = &self.sections[cell.sections.start as usize..cell.sections.end as usize];
+        let sides = sections
+            .iter()
+            .flat_map(|s| &self.faces[s.faces.start as usize..s.faces.end as usize])
+            .map(|face| face.cover.cell);
+        let below = &self.covers[cell.below.start as usize..cell.below.end as usize];
+        let above = &self.covers[cell.above.start as usize..cell.above.end as usize];
+        sides.chain(below.iter().chain(above).map(|cover| cover.cell))
+    }
 }

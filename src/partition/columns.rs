@@ -31,10 +31,6 @@ pub(super) struct Columns {
     /// Sets of bodies, ascending; the first is empty.
     pub(super) sets: Vec<Vec<u32>>,
     pub(super) planes: Vec<Plane>,
-    /// First face passed over each triangle; one more at the end.
-    pub(super) event_starts: Vec<u32>,
-    /// (how many intervals lie below, face)
-    pub(super) events: Vec<(u32, u32)>,
 }
 
 /// What the columns are built from.
@@ -85,11 +81,6 @@ impl Columns {
 
     pub(super) fn range(&self, triangle: u32) -> std::ops::Range<usize> {
         self.starts[triangle as usize] as usize..self.starts[triangle as usize + 1] as usize
-    }
-
-    pub(super) fn events(&self, triangle: u32) -> &[(u32, u32)] {
-        let range = self.event_starts[triangle as usize]..self.event_starts[triangle as usize + 1];
-        &self.events[range.start as usize..range.end as usize]
     }
 }
 
@@ -171,12 +162,7 @@ impl<'a> Builder<'a> {
     fn new(input: &'a Input<'a>) -> Builder<'a> {
         let mut builder = Builder {
             input,
-            columns: Columns {
-                starts: vec![0],
-                sets: vec![Vec::new()],
-                event_starts: vec![0],
-                ..Columns::default()
-            },
+            columns: Columns { starts: vec![0], sets: vec![Vec::new()], ..Columns::default() },
             set_index: HashMap::from([(Vec::new(), 0)]),
             plane_index: HashMap::new(),
             sorted: Vec::new(),
@@ -213,8 +199,8 @@ impl<'a> Builder<'a> {
         self.winding.clear();
         let count = self.sorted.len();
         let mut next = self.sorted.iter().take_while(|f| f.0 < bottom + unit).count();
-        self.pass(0..next, 0);
-        let (mut floor, mut below) = (0, 0);
+        self.pass(0..next);
+        let mut floor = 0;
         while next < count && self.sorted[next].0 <= top - unit {
             let group = self.sorted[next].0;
             let start = next;
@@ -225,21 +211,17 @@ impl<'a> Builder<'a> {
             let set = self.inside();
             self.columns.intervals.push(Interval { floor, ceiling, set });
             floor = ceiling;
-            below += 1;
-            self.pass(start..next, below);
+            self.pass(start..next);
         }
         let set = self.inside();
         self.columns.intervals.push(Interval { floor, ceiling: 1, set });
-        self.pass(next..count, below + 1);
         self.columns.starts.push(self.columns.intervals.len() as u32);
-        self.columns.event_starts.push(self.columns.events.len() as u32);
     }
 
     /// Goes up through the faces of one height.
-    fn pass(&mut self, group: std::ops::Range<usize>, below: u32) {
+    fn pass(&mut self, group: std::ops::Range<usize>) {
         for &(_, face, times) in &self.sorted[group] {
             let body = self.input.faces[face as usize].body;
-            self.columns.events.push((below, face));
             // Going up through a face that looks up leaves the body.
             match self.winding.binary_search_by_key(&body, |entry| entry.0) {
                 Ok(place) => self.winding[place].1 -= times,

@@ -12,15 +12,18 @@ mod columns;
 mod convex;
 mod crossings;
 mod faces;
+pub mod figure;
 mod labels;
 mod overlap;
 mod plan;
 mod regions;
+mod report;
 mod slabs;
 pub mod snap;
 mod stacks;
 mod straighten;
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use enfilade_importers::{ElementId, Model, Untagged};
@@ -35,6 +38,7 @@ use plan::Plan;
 use stacks::Joined;
 
 pub use bodies::NotCarved;
+pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 
 /// The partition could not be made; the model is to be compiled as one cell.
 #[derive(Debug, thiserror::Error)]
@@ -52,25 +56,6 @@ pub enum PartitionError {
     },
 }
 
-/// What was done.
-#[derive(Clone, Debug, Default)]
-pub struct Report {
-    /// Levels at which the hull was cut, metres, internal frame.
-    pub levels: Vec<f64>,
-    /// Columns: triangles of all slabs' plans, before merging.
-    pub columns: u64,
-    /// Intervals of air over them.
-    pub air_pieces: u64,
-    /// Elements with components that do not carve, and why.
-    pub not_carved: Vec<(ElementId, NotCarved)>,
-    /// Thin air joined to rooms.
-    pub joined: Vec<(ElementId, f64)>,
-    /// The farthest that a point was moved in the plan, metres.
-    pub largest_displacement: f64,
-    /// Seconds of each stage.
-    pub stages: Vec<(&'static str, f64)>,
-}
-
 /// The hull is larger than the bodies by this on all sides, metres.
 const MARGIN: f64 = 1.0;
 
@@ -78,10 +63,10 @@ const MARGIN: f64 = 1.0;
 ///
 /// # Errors
 /// [`PartitionError`].
-pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Report), PartitionError> {
-    let mut report = Report::default();
+pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, PartitionReport), PartitionError> {
+    let mut report = PartitionReport::default();
     let mut clock = Instant::now();
-    let mut lap = |report: &mut Report, name| {
+    let mut lap = |report: &mut PartitionReport, name| {
         report.stages.push((name, clock.elapsed().as_secs_f64()));
         clock = Instant::now();
     };
@@ -93,14 +78,19 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Report
     lap(&mut report, "faces");
     let lattice = bodies.lattice;
     report.levels = levels.iter().map(|&z| lattice.metres(2, f64::from(z))).collect();
-    report.not_carved = bodies.not_carved.clone();
+    for (element, why) in &bodies.not_carved {
+        *report.not_carved.entry(*why).or_default() += 1;
+        report.not_carved_elements.push((model.elements[element.0 as usize].path.clone(), *why));
+    }
+    report.carved = bodies.bodies.iter().filter(|body| body.is_solid).count() as u64;
 
     let ranges: Vec<[i32; 2]> = levels.windows(2).map(|w| [w[0], w[1]]).collect();
     let fail = |levels: [i32; 2], why: String| {
         let [low, high] = levels.map(|z| lattice.metres(2, f64::from(z)));
         PartitionError::Slab { low, high, why }
     };
-    let raw = each(ranges, |levels| raw_slab(&bodies, &triangles, levels, hull).map_err(|why| fail(levels, why)))?;
+    let raw =
+        each(ranges, |levels| raw_slab(&bodies, &triangles, levels, hull).map_err(|why| fail(levels, why)))?;
     lap(&mut report, "columns");
     let seen: Vec<(&Plan, &Columns)> = raw.iter().map(|r| (&r.plan, &r.columns)).collect();
     let labels = Labels::new(model, &bodies.bodies, &seen);
@@ -114,18 +104,26 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Report
     })?;
     lap(&mut report, "merging");
     let mut slabs = Vec::with_capacity(built.len());
-    for (slab, joined, pieces) in built {
-        report.air_pieces += pieces;
+    let mut slivers: BTreeMap<ElementId, f64> = BTreeMap::new();
+    for merged in built {
+        for (fill, count) in merged.pieces {
+            let kind = fill.map_or("unlabelled", |label| kind(label, model));
+            *report.pieces.entry(kind).or_default() += count;
+        }
         report.largest_displacement =
-            report.largest_displacement.max(slab.simple.displacement * lattice.step());
-        for (label, joined) in joined {
+            report.largest_displacement.max(merged.slab.simple.displacement * lattice.step());
+        for (label, joined) in merged.joined {
             if let cells::Label::Air(element) = label {
-                report.joined.push((element, joined.volume * lattice.step().powi(3)));
+                *slivers.entry(element).or_default() += joined.volume * lattice.step().powi(3);
             }
         }
-        slabs.push(slab);
+        slabs.push(merged.slab);
     }
+    report.slivers_volume = slivers.values().sum();
+    let path = |element: ElementId| model.elements[element.0 as usize].path.clone();
+    report.slivers = slivers.into_iter().map(|(element, volume)| (path(element), volume)).collect();
     let partition = assemble::assemble(lattice, hull, &slabs, bodies.detail);
+    report.read(&partition, model);
     lap(&mut report, "assembly");
     Ok((partition, report))
 }
@@ -190,17 +188,28 @@ fn raw_slab(
     Ok(Raw { levels, plan, columns, displacement })
 }
 
+/// A slab cut into prisms, and what was done to it.
+struct Merged {
+    slab: Built,
+    /// Thin air joined to rooms.
+    joined: Vec<(cells::Label, Joined)>,
+    /// Intervals over the triangles of the plan before merging, by what fills them.
+    pieces: BTreeMap<Option<cells::Label>, u64>,
+}
+
 fn merge_slab(
     raw: Raw,
     labels: &Labels,
     is_room: &(dyn Fn(cells::Label) -> bool + Sync),
     lattice: &crate::lattice::Lattice,
-) -> Result<(Built, Vec<(cells::Label, Joined)>, u64), String> {
+) -> Result<Merged, String> {
     let mut stacks = stacks::label(&raw.columns, labels, raw.plan.triangles.len());
     let joined = stacks::join_slivers(&raw.plan, &raw.columns, lattice, is_room, &mut stacks);
-    let is_air = |item: &stacks::Item| item.fill.is_none_or(|label| label.is_air());
-    let pieces = stacks.iter().flatten().filter(|item| is_air(item)).count() as u64;
+    let mut pieces = BTreeMap::new();
+    for item in stacks.iter().flatten() {
+        *pieces.entry(item.fill).or_default() += 1;
+    }
     let simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
     let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
-    Ok((Built { simple, regions, planes: raw.columns.planes }, joined, pieces))
+    Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces })
 }

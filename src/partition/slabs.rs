@@ -17,28 +17,14 @@ pub(super) struct SlabFace {
     pub(super) body: u32,
 }
 
-/// A vertical piece of surface over a segment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Upright {
-    /// Index of the segment.
-    pub(super) segment: u32,
-    /// Index of the triangle.
-    pub(super) triangle: u32,
-    pub(super) low: i32,
-    pub(super) high: i32,
-}
-
 /// What a slab holds, before anything is rounded.
 #[derive(Debug)]
 pub(super) struct Slab {
-    /// Its lower and upper level.
-    pub(super) levels: [i32; 2],
     /// Segments of the plan; the first four are the hull's sides.
     pub(super) segments: Vec<[Point; 2]>,
     pub(super) faces: Vec<SlabFace>,
     /// (segment, face, how often the face lies on its left less on its right)
     pub(super) chains: Vec<(u32, u32, i32)>,
-    pub(super) uprights: Vec<Upright>,
     /// Pieces of sloped and level faces, for their intersections: index of the face and the polygon.
     pub(super) pieces: Vec<(u32, Vec<Point>)>,
 }
@@ -85,10 +71,10 @@ pub(super) fn cut(triangles: &[Triangle], levels: [i32; 2], hull: [[i32; 3]; 2])
     for i in 0..4 {
         draft.segment(corners[i], corners[(i + 1) % 4]);
     }
-    for (index, t) in triangles.iter().enumerate() {
-        draft.add(index as u32, t, levels);
+    for t in triangles {
+        draft.add(t, levels);
     }
-    draft.finish(levels)
+    draft.finish()
 }
 
 #[derive(Default)]
@@ -97,7 +83,6 @@ struct Draft {
     index: BTreeMap<[Point; 2], u32>,
     faces: BTreeMap<SlabFace, u32>,
     chains: Vec<(u32, u32, i32)>,
-    uprights: Vec<Upright>,
     pieces: Vec<(u32, Vec<Point>)>,
 }
 
@@ -127,7 +112,7 @@ impl Draft {
         }
     }
 
-    fn add(&mut self, index: u32, t: &Triangle, levels: [i32; 2]) {
+    fn add(&mut self, t: &Triangle, levels: [i32; 2]) {
         let [low, high] = t.rise();
         let [bottom, top] = levels;
         if high <= bottom || low >= top {
@@ -136,27 +121,21 @@ impl Draft {
         if low <= bottom {
             self.cap(t, bottom);
         }
+        if t.lie == Lie::Vertical {
+            return;
+        }
         let polygon = clip(t.corners, levels);
         if polygon.len() < 3 {
             return;
         }
-        let (lowest, highest) = polygon.iter().fold((top, bottom), |(l, h), v| (l.min(v.z), h.max(v.z)));
         let plane = match t.lie {
             Lie::Flat(plane) => plane,
-            Lie::Vertical => {
-                let mut ends: Vec<Point> = polygon.iter().map(|v| v.at).collect();
-                ends.sort_unstable();
-                self.upright(index, [ends[0], ends[ends.len() - 1]], [lowest, highest]);
-                return;
-            }
-            Lie::Sheet => {
-                for i in 0..polygon.len() {
-                    let ends = [polygon[i].at, polygon[(i + 1) % polygon.len()].at];
-                    self.upright(index, ends, [lowest, highest]);
-                }
+            Lie::Vertical | Lie::Sheet => {
                 // Matter shrinks, labels grow.
                 let looks_up = t.double_area() > 0;
-                Plane::level(if looks_up == t.is_solid { lowest } else { highest })
+                let heights = polygon.iter().map(|v| v.z);
+                let z = if looks_up == t.is_solid { heights.min() } else { heights.max() };
+                Plane::level(z.unwrap_or(bottom))
             }
         };
         let face = self.face(t.body, plane);
@@ -164,14 +143,6 @@ impl Draft {
             self.link(face, polygon[i].at, polygon[(i + 1) % polygon.len()].at);
         }
         self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
-    }
-
-    fn upright(&mut self, triangle: u32, [a, b]: [Point; 2], [low, high]: [i32; 2]) {
-        if let Some((segment, _)) = self.segment(a, b)
-            && low < high
-        {
-            self.uprights.push(Upright { segment, triangle, low, high });
-        }
     }
 
     /// The cut of a triangle at `level`, as part of the cap of what lies above.
@@ -191,7 +162,7 @@ impl Draft {
         }
     }
 
-    fn finish(mut self, levels: [i32; 2]) -> Slab {
+    fn finish(mut self) -> Slab {
         self.chains.sort_unstable();
         let mut chains: Vec<(u32, u32, i32)> = Vec::with_capacity(self.chains.len());
         for run in self.chains.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
@@ -200,13 +171,10 @@ impl Draft {
                 chains.push((run[0].0, run[0].1, sum));
             }
         }
-        self.uprights.sort_unstable();
-        self.uprights.dedup();
         // Segments inside of faces have cancelled.
         let mut used = vec![false; self.segments.len()];
         used[..4].fill(true);
         chains.iter().for_each(|c| used[c.0 as usize] = true);
-        self.uprights.iter().for_each(|u| used[u.segment as usize] = true);
         let mut new = vec![u32::MAX; used.len()];
         let mut segments = Vec::new();
         for (i, segment) in self.segments.iter().enumerate() {
@@ -216,15 +184,12 @@ impl Draft {
             }
         }
         chains.iter_mut().for_each(|c| c.0 = new[c.0 as usize]);
-        self.uprights.iter_mut().for_each(|u| u.segment = new[u.segment as usize]);
         let mut faces: Vec<(u32, SlabFace)> = self.faces.into_iter().map(|(face, i)| (i, face)).collect();
         faces.sort_unstable();
         Slab {
-            levels,
             segments,
             faces: faces.into_iter().map(|(_, face)| face).collect(),
             chains,
-            uprights: self.uprights,
             pieces: self.pieces,
         }
     }

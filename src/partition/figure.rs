@@ -1,0 +1,73 @@
+//! A picture of the cells that a level plane cuts, as SVG.
+
+use std::fmt::Write;
+
+use super::cells::{Cell, Label, Partition};
+use crate::lattice::FINE;
+
+/// Draws the cells at height `z` (metres, internal frame), north up; one user unit is a metre. `name` gives the text of a
+/// cell's tooltip.
+pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> String {
+    let lattice = &partition.lattice;
+    let [lo, hi] = partition.hull.map(|c| [0, 1].map(|axis| lattice.metres(axis, f64::from(c[axis]))));
+    let (width, height) = (hi[0] - lo[0], hi[1] - lo[1]);
+    let mut svg = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        svg,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.3} {height:.3}\" width=\"{:.0}\">",
+        (width * 24.0).clamp(320.0, 1600.0)
+    );
+    let _ = writeln!(svg, "<g stroke=\"#555\" stroke-width=\"0.015\" stroke-linejoin=\"round\">");
+    let level = lattice.local(2, z);
+    for cell in &partition.cells {
+        if !is_cut(partition, cell, level) {
+            continue;
+        }
+        let mut path = String::new();
+        for (i, p) in partition.footprint(cell).enumerate() {
+            let x = lattice.metres(0, f64::from(p.x)) - lo[0];
+            let y = hi[1] - lattice.metres(1, f64::from(p.y));
+            let _ = write!(path, "{}{x:.4} {y:.4}", if i == 0 { "M" } else { " L" });
+        }
+        let _ = writeln!(
+            svg,
+            "<path d=\"{path} Z\" fill=\"{}\"><title>{}</title></path>",
+            fill(cell.label),
+            escape(&name(cell.label))
+        );
+    }
+    svg.push_str("</g>\n</svg>\n");
+    svg
+}
+
+/// Whether a level plane cuts the cell over the middle of its footprint's corners.
+fn is_cut(partition: &Partition, cell: &Cell, level: f64) -> bool {
+    let points = partition.footprint(cell);
+    let count = points.len() as f64;
+    let (x, y) =
+        points.fold((0.0, 0.0), |(x, y), p| (x + f64::from(p.x) / count, y + f64::from(p.y) / count));
+    let height = |plane: u32| {
+        let plane = &partition.planes[plane as usize];
+        (plane.p as f64 * x + plane.q as f64 * y + plane.r as f64) / FINE as f64
+    };
+    height(cell.floor) <= level && level < height(cell.ceiling)
+}
+
+/// Colours: matter dark, rooms in pale hues of their own, other air white or grey.
+fn fill(label: Label) -> String {
+    match label {
+        Label::Solid(_) => "#6b6b6b".to_owned(),
+        Label::Exterior => "#eef3f7".to_owned(),
+        Label::Void => "#e8c9c9".to_owned(),
+        Label::Air(element) => {
+            // Hues as far apart as the golden angle puts them.
+            let hue = (f64::from(element.0) * 137.508) % 360.0;
+            format!("hsl({hue:.0} 60% 82%)")
+        }
+    }
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
