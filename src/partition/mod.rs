@@ -7,3 +7,4 @@
 
 pub mod cells;
 pub mod convex;
+pub mod straighten;
