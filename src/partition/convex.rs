@@ -3,7 +3,7 @@
 //! The fewest convex polygons without new vertices can be found in polynomial time if the region has no holes (Keil,
 //! "Decomposing a polygon into simpler components", SIAM J. Comput. 14, 1985); with holes it is NP-hard. So:
 //!
-//! - a region that one chain of moderate length bounds is cut in the best way ([`best`]);
+//! - a region that one chain of moderate length bounds is cut in the best way (`best`);
 //! - any other is triangulated (constrained Delaunay), and diagonals go, longest first, wherever both their ends stay
 //!   convex (Hertel and Mehlhorn, "Fast triangulation of simple polygons", FCT 1983; Fernandez, Toth, Canovas and
 //!   Pelegrin, "A practical algorithm for decomposing polygonal domains into convex polygons by diagonals", TOP 16,

@@ -9,7 +9,7 @@ mod assemble;
 mod bodies;
 pub mod cells;
 mod columns;
-mod convex;
+pub mod convex;
 mod crossings;
 mod faces;
 pub mod figure;
@@ -21,7 +21,7 @@ mod report;
 mod slabs;
 pub mod snap;
 mod stacks;
-mod straighten;
+pub mod straighten;
 
 use std::collections::BTreeMap;
 use std::time::Instant;

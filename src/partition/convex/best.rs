@@ -3,6 +3,7 @@
 //! Dynamic programming over sub-polygons, as Keil (1985) and Keil and Snoeyink ("On the time bound for convex
 //! decomposition of simple polygons", 2002) do, but with the total length of cuts as second goal, for which their
 //! bookkeeping by narrowest pairs does not serve: here the convex part behind each diagonal is grown link by link.
+//! Time grows with the square of the number of diagonals that may be needed.
 //! Only diagonals with a reflex end can be needed: any other could be taken away again.
 
 use crate::lattice::{Point, is_between, orient};
@@ -10,10 +11,10 @@ use crate::lattice::{Point, is_between, orient};
 /// What a cut costs: the number of diagonals, then their total length in lattice units.
 pub(super) type Cost = u64;
 
-/// One diagonal; lengths of as many as fit the longest polygon stay below.
+/// One diagonal. The lengths of all those of the longest polygon, at most 2^26 each, stay below.
 const DIAGONAL: Cost = 1 << 40;
 const NEVER: Cost = Cost::MAX;
-const UNLINKED: u16 = u16::MAX;
+const UNLINKED: u32 = u32::MAX;
 
 /// The cost of one diagonal.
 pub(super) fn cost(a: Point, b: Point) -> Cost {
@@ -21,9 +22,9 @@ pub(super) fn cost(a: Point, b: Point) -> Cost {
     DIAGONAL + ((dx * dx + dy * dy) as u64).isqrt()
 }
 
-/// The least number of diagonals that a polygon with as many reflex corners needs, as a cost.
-pub(super) fn least(reflex: usize) -> Cost {
-    (reflex.div_ceil(2) as u64) << 40
+/// Whether no cut of a polygon with as many reflex corners has fewer diagonals: one serves two corners at most.
+pub(super) fn is_least(cost: Cost, reflex: usize) -> bool {
+    (cost / DIAGONAL) as usize <= reflex.div_ceil(2)
 }
 
 /// Whether `b`'s corner of a chain is reflex.
@@ -32,18 +33,40 @@ pub(super) fn is_reflex(a: Point, b: Point, c: Point) -> bool {
 }
 
 /// Finds best cuts; its tables are used again from polygon to polygon.
+///
+/// Corners are known by their places in the polygon. A *link* is an edge or a diagonal from an earlier to a later
+/// corner. About each corner, counter-clockwise, links lead to later corners in ascending order, then from earlier
+/// corners in ascending order: so the links that may come before a link on a convex chain are the first few.
 #[derive(Default)]
 pub(super) struct Cutter {
     corners: Vec<Point>,
-    /// Diagonals and edges by their later end: the earlier ends, ascending.
-    into: Vec<Vec<u16>>,
-    diagonals: Vec<[u16; 2]>,
+    /// Links by their later corner, then by their earlier one, which is what is noted.
+    from: Vec<u16>,
+    /// For each corner its first link in `from`, and the end.
+    into: Vec<u32>,
+    /// Links by their earlier corner, then by their later one.
+    onward: Vec<Onward>,
+    /// For each corner its first link in `onward`, and the end.
+    out: Vec<u32>,
+    /// Diagonals, the shortest sub-polygons first.
+    diagonals: Vec<([u16; 2], u32)>,
     /// For a link the cost of what lies behind it, itself included.
     behind: Vec<Cost>,
-    /// For a link the least cost of a convex chain from the current part's start that ends with it, and the corner
-    /// before it on that chain.
-    chain: Vec<Cost>,
-    before: Vec<u16>,
+    /// For a link the least cost of a convex chain that starts at the current part's first corner and ends with it, and
+    /// the link before it on that chain.
+    chain: Vec<(Cost, u32)>,
+    /// Whether a corner lies on the part's side of the line that closes the current part.
+    fits: Vec<bool>,
+    reflex: Vec<bool>,
+}
+
+/// A link seen from its earlier corner.
+#[derive(Clone, Copy)]
+struct Onward {
+    to: u16,
+    link: u32,
+    /// The links into the earlier corner from which the turn is convex end here.
+    convex: u32,
 }
 
 impl Cutter {
@@ -60,19 +83,16 @@ impl Cutter {
         if !(3..=Cutter::LONGEST).contains(&n) {
             return None;
         }
-        self.behind.clear();
-        self.behind.resize(n * n, NEVER);
-        self.chain.resize(n * n, NEVER);
-        self.before.resize(n * n, UNLINKED);
         self.link();
         for k in 0..self.diagonals.len() {
-            let [i, j] = self.diagonals[k].map(usize::from);
-            let inner = self.part(i, j);
+            let ([i, j], link) = self.diagonals[k];
+            let (inner, _) = self.part(usize::from(i), usize::from(j));
             if inner != NEVER {
-                self.behind[i * n + j] = inner + cost(self.corners[i], self.corners[j]);
+                let length = cost(self.corners[usize::from(i)], self.corners[usize::from(j)]);
+                self.behind[link as usize] = inner + length;
             }
         }
-        let all = self.part(0, n - 1);
+        let (all, _) = self.part(0, n - 1);
         (all != NEVER).then_some(all)
     }
 
@@ -80,23 +100,21 @@ impl Cutter {
     /// edge, from its last corner to its first, is the one that it shares with an earlier part; for the first part it
     /// is the polygon's own last edge.
     pub fn parts(&mut self) -> Vec<Vec<u16>> {
-        let n = self.corners.len();
-        let mut open = vec![(0, n - 1)];
+        let mut open = vec![(0, self.corners.len() - 1)];
         let mut parts = Vec::new();
         while let Some((i, j)) = open.pop() {
-            // The tables of a sub-polygon are overwritten by the next one: fill them again.
-            self.part(i, j);
+            // The tables of a part are overwritten by the next one's: fill them again.
+            let (_, mut link) = self.part(i, j);
             let mut part = vec![j as u16];
-            let mut a = self.last(i, j);
-            let mut b = j;
-            while a != UNLINKED {
-                part.push(a);
-                let from = usize::from(a);
-                if from + 1 < b {
-                    open.push((from, b));
+            let mut to = j;
+            while link != UNLINKED {
+                let from = self.from[link as usize];
+                part.push(from);
+                if usize::from(from) + 1 < to {
+                    open.push((usize::from(from), to));
                 }
-                a = if from == i { UNLINKED } else { self.before[from * n + b] };
-                b = from;
+                to = usize::from(from);
+                link = self.chain[link as usize].1;
             }
             part.reverse();
             parts.push(part);
@@ -104,98 +122,120 @@ impl Cutter {
         parts
     }
 
-    /// Finds the diagonals that may be needed, shortest chains first.
+    /// Finds the links.
     fn link(&mut self) {
         let corners = &self.corners;
         let n = corners.len();
+<<<<<<< HEAD
         self.into.resize_with(n.max(self.into.len()), Vec::new);
         for into in &mut self.into {
             into.clear();
         }
         let reflex: Vec<bool> =
             (0..n).map(|k| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n])).collect();
+=======
+        self.reflex.clear();
+        let reflex = |k: usize| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
+        self.reflex.extend((0..n).map(reflex));
+        self.from.clear();
+        self.into.clear();
+>>>>>>> p-convex
         self.diagonals.clear();
-        for i in 0..n {
-            // The edge from n - 1 to 0 closes the polygon and is no link.
-            if i + 1 < n {
-                self.into[i + 1].push(i as u16);
-                self.behind[i * n + i + 1] = 0;
-            }
-            for j in i + 2..n {
-                if (reflex[i] || reflex[j]) && (i, j) != (0, n - 1) && sees(corners, i, j) {
-                    self.into[j].push(i as u16);
-                    self.diagonals.push([i as u16, j as u16]);
+        self.behind.clear();
+        for j in 0..n {
+            self.into.push(self.from.len() as u32);
+            for i in 0..j {
+                // The edge from n - 1 to 0 closes the polygon and is no link.
+                let edge = i + 1 == j;
+                let needed = || (i, j) != (0, n - 1) && (self.reflex[i] || self.reflex[j]);
+                if edge || (needed() && sees(corners, i, j)) {
+                    if !edge {
+                        self.diagonals.push(([i as u16, j as u16], self.from.len() as u32));
+                    }
+                    self.from.push(i as u16);
+                    self.behind.push(if edge { 0 } else { NEVER });
                 }
             }
         }
-        for into in &mut self.into {
-            into.sort_unstable();
+        self.into.push(self.from.len() as u32);
+        self.diagonals.sort_unstable_by_key(|&([i, j], _)| (j - i, i));
+        self.chain.clear();
+        self.chain.resize(self.from.len(), (NEVER, UNLINKED));
+
+        // The same by earlier corners.
+        self.out.clear();
+        self.out.resize(n + 1, 0);
+        for &from in &self.from {
+            self.out[usize::from(from) + 1] += 1;
         }
-        self.diagonals.sort_unstable_by_key(|&[i, j]| (j - i, i));
+        for k in 0..n {
+            self.out[k + 1] += self.out[k];
+        }
+        let mut place = self.out.clone();
+        self.onward.clear();
+        self.onward.resize(self.from.len(), Onward { to: 0, link: 0, convex: 0 });
+        for to in 0..n {
+            for link in self.into[to]..self.into[to + 1] {
+                let a = usize::from(self.from[link as usize]);
+                let before = &self.from[self.into[a] as usize..self.into[a + 1] as usize];
+                let turns_left = |c: &u16| orient(corners[usize::from(*c)], corners[a], corners[to]) >= 0;
+                let convex = self.into[a] + before.partition_point(turns_left) as u32;
+                self.onward[place[a] as usize] = Onward { to: to as u16, link, convex };
+                place[a] += 1;
+            }
+        }
     }
 
-    /// The least cost of the sub-polygon from corner `i` to `j`, whose first part lies along the line from `j` to `i`.
-    fn part(&mut self, i: usize, j: usize) -> Cost {
-        let n = self.corners.len();
+    /// The least cost of the sub-polygon from corner `i` to `j`, whose first part has the edge from `j` to `i`, and the
+    /// last link of that part.
+    fn part(&mut self, i: usize, j: usize) -> (Cost, u32) {
         let corners = &self.corners;
         let (pi, pj) = (corners[i], corners[j]);
-        for b in i + 1..=j {
-            let pb = corners[b];
-            let fits = b == j || orient(pj, pi, pb) >= 0;
-            for &a in &self.into[b] {
-                let a = usize::from(a);
-                if a < i {
-                    continue;
+        self.fits.clear();
+        self.fits.resize(i + 1, false);
+        self.fits.extend(corners[i + 1..j].iter().map(|&b| orient(pj, pi, b) >= 0));
+        self.fits.push(true);
+        let onward = |a: usize| &self.onward[self.out[a] as usize..self.out[a + 1] as usize];
+        for on in onward(i) {
+            let to = usize::from(on.to);
+            if to > j {
+                break;
+            }
+            // From i straight to j is no part.
+            let begins = to != j && self.fits[to];
+            self.chain[on.link as usize] =
+                (if begins { self.behind[on.link as usize] } else { NEVER }, UNLINKED);
+        }
+        for a in i + 1..j {
+            let mut before = self.into[a];
+            let mut least = (NEVER, UNLINKED);
+            for on in onward(a) {
+                let to = usize::from(on.to);
+                if to > j {
+                    break;
                 }
-                let mut least = (NEVER, UNLINKED);
-                let behind = self.behind[a * n + b];
-                if fits && behind != NEVER {
-                    if a == i {
-                        // From i straight to j is no part.
-                        if b != j {
-                            least = (behind, UNLINKED);
-                        }
-                    } else {
-                        let pa = corners[a];
-                        for &c in &self.into[a] {
-                            let at = usize::from(c) * n + a;
-                            if usize::from(c) >= i
-                                && self.chain[at] < least.0
-                                && orient(corners[usize::from(c)], pa, pb) >= 0
-                            {
-                                least = (self.chain[at], c);
-                            }
-                        }
-                        if least.0 != NEVER {
-                            least.0 += behind;
-                        }
+                while before < on.convex {
+                    let (cost, _) = self.chain[before as usize];
+                    if usize::from(self.from[before as usize]) >= i && cost < least.0 {
+                        least = (cost, before);
                     }
+                    before += 1;
                 }
-                self.chain[a * n + b] = least.0;
-                self.before[a * n + b] = least.1;
+                let behind = self.behind[on.link as usize];
+                let goes = self.fits[to] && least.0 != NEVER && behind != NEVER;
+                self.chain[on.link as usize] =
+                    if goes { (least.0 + behind, least.1) } else { (NEVER, UNLINKED) };
             }
         }
-        match self.last(i, j) {
-            UNLINKED => NEVER,
-            a => self.chain[usize::from(a) * n + j],
-        }
-    }
-
-    /// The corner before `j` on the best chain from `i` to `j` that closes convexly, by the tables that
-    /// [`Cutter::part`] left.
-    fn last(&self, i: usize, j: usize) -> u16 {
-        let n = self.corners.len();
         let mut least = (NEVER, UNLINKED);
-        for &a in &self.into[j] {
-            let cost = self.chain[usize::from(a) * n + j];
-            if usize::from(a) > i
-                && cost < least.0
-                && orient(self.corners[usize::from(a)], self.corners[j], self.corners[i]) >= 0
-            {
-                least = (cost, a);
+        for link in self.into[j]..self.into[j + 1] {
+            let from = usize::from(self.from[link as usize]);
+            let (cost, _) = self.chain[link as usize];
+            if from > i && cost < least.0 && orient(corners[from], pj, pi) >= 0 {
+                least = (cost, link);
             }
         }
-        least.1
+        least
     }
 }
 

@@ -3,7 +3,7 @@
 use super::best::{self, Cost, Cutter};
 use super::parts::{NOWHERE, Parts};
 
-/// No patch has more corners; what is cut in the best way grows with the cube of it.
+/// No patch of several parts has more corners. Twice as many gave 1 to 2 % fewer parts and took four times as long.
 const LONGEST: usize = 24;
 
 /// Neighbouring parts, taken together.
@@ -55,7 +55,8 @@ impl Parts {
         patch.joints.clear();
         patch.boundary.clear();
         patch.parts.push(seed);
-        let mut corners = self.about(self.first[seed as usize]).count();
+        let count = |h: u32| self.about(h).take(LONGEST + 1).count();
+        let mut corners = count(self.first[seed as usize]);
         let mut k = 0;
         while k < patch.parts.len() {
             for h in self.about(self.first[patch.parts[k] as usize]) {
@@ -63,7 +64,7 @@ impl Parts {
                 if beyond == NOWHERE || patch.parts.contains(&beyond) {
                     continue;
                 }
-                let more = self.about(h ^ 1).count() - 2;
+                let more = count(h ^ 1) - 2;
                 if corners + more <= LONGEST {
                     corners += more;
                     patch.parts.push(beyond);
@@ -82,7 +83,6 @@ impl Parts {
             }
             h
         };
-        // Every part has an edge that is no joint: in the tree of parts only the leaves could all be triangles.
         let start = onward(self.first[seed as usize]);
         let mut h = start;
         loop {
@@ -103,7 +103,7 @@ impl Parts {
         let corner = |k: usize| self.start(patch.boundary[k % n]);
         let reflex = (0..n).filter(|&k| best::is_reflex(corner(k), corner(k + 1), corner(k + 2))).count();
         let now: Cost = patch.joints.iter().map(|&h| best::cost(self.start(h), self.start(h ^ 1))).sum();
-        if now <= best::least(reflex) {
+        if best::is_least(now, reflex) {
             return None;
         }
         let then = cutter.cut((0..n).map(corner))?;
