@@ -126,20 +126,11 @@ impl Cutter {
     fn link(&mut self) {
         let corners = &self.corners;
         let n = corners.len();
-<<<<<<< HEAD
-        self.into.resize_with(n.max(self.into.len()), Vec::new);
-        for into in &mut self.into {
-            into.clear();
-        }
-        let reflex: Vec<bool> =
-            (0..n).map(|k| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n])).collect();
-=======
         self.reflex.clear();
         let reflex = |k: usize| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
         self.reflex.extend((0..n).map(reflex));
         self.from.clear();
         self.into.clear();
->>>>>>> p-convex
         self.diagonals.clear();
         self.behind.clear();
         for j in 0..n {

@@ -181,70 +181,6 @@ fn numbered(points: &[(i32, i32)], loops: &[&[u32]]) -> Drawn {
         loops: loops.iter().map(|l| l.to_vec()).collect(),
         points: points.iter().map(|&(x, y)| Point::new(x, y)).collect(),
     }
-<<<<<<< HEAD
-    let xs: Vec<f64> = (0..=w)
-        .scan(0.0, |s, _| {
-            *s += (2000 + r.below(60000)) as f64;
-            Some(*s)
-        })
-        .collect();
-    let ys: Vec<f64> = (0..=h)
-        .scan(0.0, |s, _| {
-            *s += (2000 + r.below(60000)) as f64;
-            Some(*s)
-        })
-        .collect();
-    let filled = connected(&filled, w);
-    draw(&filled, w, false, true, |x, y| place(xs[x], ys[y]))
-}
-
-#[test]
-fn measure() {
-    for family in 0..8 {
-        let mut r = Random(88172645463325252 + family as u64 / 2);
-        let count = if family < 6 { 400 } else { 3 };
-        let (mut vs, mut parts, mut tri, mut hm, mut lnst, mut low) = (0, 0, 0, 0, 0, 0);
-        let mut time = std::time::Duration::ZERO;
-        let mut worst = std::time::Duration::ZERO;
-        for _ in 0..count {
-            let d = families(&mut r, family);
-            vs += d.loops.iter().map(Vec::len).sum::<usize>();
-            let t = std::time::Instant::now();
-            let p = convex_parts(&d.loops, &d.points).unwrap();
-            time += t.elapsed();
-            worst = worst.max(t.elapsed());
-            check(&d, &p);
-            parts += p.len();
-            let region = Region::new(&d.loops, &d.points).unwrap();
-            let mut m = Parts::triangles(&region).unwrap();
-            let c = |m: &Parts| m.first.iter().filter(|f| **f != parts::NOWHERE).count();
-            tri += c(&m);
-            m.dissolve();
-            hm += c(&m);
-            m.improve();
-            lnst += c(&m);
-            let reflex: usize = d
-                .loops
-                .iter()
-                .map(|l| {
-                    (0..l.len())
-                        .filter(|&k| {
-                            best::is_reflex(
-                                d.points[l[k] as usize],
-                                d.points[l[(k + 1) % l.len()] as usize],
-                                d.points[l[(k + 2) % l.len()] as usize],
-                            )
-                        })
-                        .count()
-                })
-                .sum();
-            low += (reflex.div_ceil(2) + 2).saturating_sub(d.loops.len()).max(1);
-        }
-        println!(
-            "family {family}: {count} regions, {vs} vertices, triangles {tri}, HM {hm}, HM+patch {lnst}, ours {parts}, bound {low}; {:?} each, worst {worst:?}",
-            time / count
-        );
-=======
 }
 
 /// Cuts and checks; the number of parts.
@@ -514,7 +450,6 @@ proptest! {
         let places: Vec<usize> = (0..corners.len()).collect();
         let parts = convex_parts(&drawn.loops, &drawn.points).unwrap();
         prop_assert_eq!(parts.len(), fewest(&corners, &places));
->>>>>>> p-convex
     }
 }
 
