@@ -22,6 +22,7 @@ mod slabs;
 pub mod snap;
 mod stacks;
 pub mod straighten;
+mod unkink;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -209,7 +210,8 @@ fn merge_slab(
     for item in stacks.iter().flatten() {
         *pieces.entry(item.fill).or_default() += 1;
     }
-    let simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
+    let mut simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
+    simple.displacement += unkink::unkink(&mut simple);
     let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
     Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces })
 }
