@@ -291,7 +291,8 @@ impl Random {
     }
 }
 
-/// A planar map: part of the links of a grid with one diagonal in some squares, its vertices moved.
+/// A planar map: the boundaries between differently coloured squares of a grid, and some links inside one colour, most
+/// of which go; its vertices are moved.
 struct Map {
     vertices: Vec<Point>,
     links: Vec<[u32; 2]>,
@@ -299,7 +300,7 @@ struct Map {
     keep: Vec<bool>,
 }
 
-fn random_map(seed: u64, width: u32, share: u32, spacing: i32, reach: i32) -> Map {
+fn random_map(seed: u64, width: u32, colours: u32, inner: u32, spacing: i32, reach: i32) -> Map {
     let mut random = Random(seed | 1);
     for _ in 0..8 {
         random.below(2);
@@ -311,23 +312,24 @@ fn random_map(seed: u64, width: u32, share: u32, spacing: i32, reach: i32) -> Ma
         let (x, y) = ((v % columns) as i32, (v / columns) as i32);
         map.vertices.push(Point::new(spacing * x + moved(), spacing * y + moved()));
     }
+    // The first colour is the commonest, and lies all about.
+    let colour: Vec<u32> =
+        (0..width * width).map(|_| random.below(2 * colours).saturating_sub(colours)).collect();
+    let of = |x: i64, y: i64| {
+        let inside = |c: i64| (0..i64::from(width)).contains(&c);
+        if inside(x) && inside(y) { colour[(y * i64::from(width) + x) as usize] } else { 0 }
+    };
     for v in 0..columns * columns {
-        let (right, up) = (v % columns < width, v / columns < width);
-        let mut ends = Vec::new();
-        if right {
-            ends.push([v, v + 1]);
-        }
-        if up {
-            ends.push([v + columns, v]);
-        }
-        if right && up && random.below(8) == 0 {
-            ends.push([v, v + columns + 1]);
-        }
-        for link in ends {
-            if random.below(256) < share {
-                map.links.push(link);
-                map.class.push(u32::from(random.below(8) == 0));
-                map.keep.push(random.below(16) > 0);
+        let (x, y) = (i64::from(v % columns), i64::from(v / columns));
+        for (right, sides) in [(true, [of(x, y), of(x, y - 1)]), (false, [of(x, y), of(x - 1, y)])] {
+            let is_in = if right { v % columns < width } else { v / columns < width };
+            let [low, high] = [sides[0].min(sides[1]), sides[0].max(sides[1])];
+            if is_in && (low != high || random.below(256) < inner) {
+                let other = if right { v + 1 } else { v + columns };
+                map.links.push(if random.below(2) == 0 { [v, other] } else { [other, v] });
+                // Here and there a class of its own.
+                map.class.push(low * colours + high + 100 * u32::from(random.below(16) == 0));
+                map.keep.push(low != high || random.below(4) == 0);
             }
         }
     }
@@ -337,10 +339,10 @@ fn random_map(seed: u64, width: u32, share: u32, spacing: i32, reach: i32) -> Ma
 proptest! {
     #[test]
     fn random_maps_stay_planar_and_the_same(
-        seed in any::<u64>(), width in 1u32..9, share in 60u32..250, reach in 0i32..24,
+        seed in any::<u64>(), width in 1u32..9, colours in 2u32..5, inner in 0u32..128, reach in 0i32..24,
         tolerance in prop_oneof![Just(0.0), 0.0..5.0f64, 5.0..80.0f64, 80.0..2000.0f64],
     ) {
-        let map = random_map(seed, width, share, 100, reach);
+        let map = random_map(seed, width, colours, inner, 100, reach);
         let new = straighten(&map.vertices, &map.links, &map.class, &map.keep, tolerance);
         check(&map.vertices, &map.links, &map.class, &map.keep, tolerance, &new);
         prop_assert_eq!(&new, &straighten(&map.vertices, &map.links, &map.class, &map.keep, tolerance));
@@ -378,11 +380,42 @@ fn many_links_take_little_time() {
     assert!(start.elapsed().as_secs() < 3);
     assert!(10 * new.links.len() < map.links.len());
 
-    // A net of short links with few chains.
-    let map = random_map(5, 250, 200, 100, 20);
+    // A net of short links with short chains.
+    let map = random_map(5, 290, 3, 16, 100, 20);
     let start = std::time::Instant::now();
     let new = straighten(&map.vertices, &map.links, &map.class, &map.keep, 30.0);
     println!("{} links: {} in {:?}", map.links.len(), new.links.len(), start.elapsed());
     assert!(start.elapsed().as_secs() < 3);
     assert!(new.removed > 1000);
+}
+
+#[test]
+fn random_maps_put_every_rule_to_the_test() {
+    // How often does the distance alone decide otherwise than the whole; how often are there closed chains, dropped
+    // links, several classes at a vertex of two links.
+    let (mut mended, mut closed, mut dropped, mut classes) = (0, 0, 0, 0);
+    let total = 1000;
+    for seed in 0..total {
+        let mut random = Random(seed * 7919 + 1);
+        let (width, colours) = (1 + random.below(8), 2 + random.below(3));
+        let map =
+            random_map(seed * 104_729 + 5, width, colours, random.below(128), 100, random.below(24) as i32);
+        let chains = Chains::trace(&map.vertices, &map.links, &map.class, &map.keep);
+        let tolerance = f64::from(random.below(200));
+        let mut strokes = Strokes::new(&map.vertices, &chains, tolerance);
+        strokes.lay_all();
+        let before = strokes.ends();
+        strokes.mend();
+        mended += u32::from(before != strokes.ends());
+        closed += u32::from(chains.iter().any(|chain| chain.is_closed()));
+        dropped += u32::from(map.keep.contains(&false));
+        let kept: Vec<usize> = (0..map.links.len()).filter(|&k| map.keep[k]).collect();
+        let degrees = degrees(kept.iter().map(|&k| map.links[k]), map.vertices.len());
+        classes += u32::from(
+            chains.iter().any(|chain| degrees[chain.vertices[0] as usize] == 2 && !chain.is_closed()),
+        );
+    }
+    let counts = [mended, closed, dropped, classes];
+    println!("of {total}: mended, closed, dropped, classes {counts:?}");
+    assert!(counts.iter().all(|&c| 20 * u64::from(c) >= total), "{counts:?}");
 }
