@@ -6,6 +6,7 @@
 
 use enfilade_importers::{Element, ElementId, Model, Role, Untagged};
 
+use super::direction::direction;
 use crate::compile::outward::{Outward, turn_outward};
 use crate::components::{Component, components};
 use crate::lattice::{Lattice, Point};
@@ -98,7 +99,7 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
         all.extend(sorted.shells);
     }
     let Some(middle) = middle(&all) else {
-        let lattice = Lattice::about([[0.0; 3]; 2]);
+        let lattice = Lattice::about(std::iter::empty(), [1.0, 0.0]);
         return Bodies { lattice, bounds: [[0; 3]; 2], bodies: Vec::new(), detail, not_carved };
     };
     let (near, far): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| is_near(s.bounds, middle));
@@ -107,13 +108,19 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
         let triangles = shells.shells.iter().flat_map(|(component, _)| &component.triangles);
         detail.extend(triangles.map(|&t| (shells.id, t)));
     }
-    let first = near.first().map_or([[0.0; 3]; 2], |s| s.bounds);
-    let bounds = near.iter().fold(first, |[lo, hi], s| {
-        [[0, 1, 2].map(|i| lo[i].min(s.bounds[0][i])), [0, 1, 2].map(|i| hi[i].max(s.bounds[1][i]))]
-    });
-    let lattice = Lattice::about(bounds);
+    let reach = near.iter().flat_map(|s| s.bounds).flatten().fold(0.0f64, |reach, c| reach.max(c.abs()));
+    let carving = near.iter().filter(|s| s.is_solid).map(|s| s.id.0);
+    let turn = direction(model, carving, reach, 1.0 / f64::from(1u32 << Lattice::FINEST));
+    let points = near.iter().flat_map(|s| s.element.mesh.positions.iter().copied());
+    let lattice = Lattice::about(points, turn);
     let bodies: Vec<Body> = near.iter().map(|shells| body(shells, &lattice)).collect();
-    let bounds = [0, 1].map(|end| [0, 1, 2].map(|axis| lattice.round(axis, bounds[end][axis])));
+    let mut bounds = [[i32::MAX; 3], [i32::MIN; 3]];
+    for vertex in bodies.iter().flat_map(|body| &body.vertices) {
+        for (axis, c) in [vertex.at.x, vertex.at.y, vertex.z].into_iter().enumerate() {
+            bounds[0][axis] = bounds[0][axis].min(c);
+            bounds[1][axis] = bounds[1][axis].max(c);
+        }
+    }
     detail.sort_unstable();
     not_carved.sort_unstable();
     Bodies { lattice, bounds, bodies, detail, not_carved }
@@ -251,8 +258,10 @@ fn body(shells: &Shells<'_>, lattice: &Lattice) -> Body {
                 if *slot == u32::MAX {
                     *slot = body.vertices.len() as u32;
                     let p = mesh.positions[v as usize];
-                    body.exact.push([0, 1, 2].map(|axis| lattice.local(axis, p[axis])));
-                    body.vertices.push(Vertex { at: lattice.point(p), z: lattice.round(2, p[2]) });
+                    let exact = lattice.local(p);
+                    let [x, y, z] = Lattice::round(exact);
+                    body.exact.push(exact);
+                    body.vertices.push(Vertex { at: Point::new(x, y), z });
                 }
                 *slot
             });

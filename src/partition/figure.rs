@@ -3,14 +3,20 @@
 use std::fmt::Write;
 
 use super::cells::{Cell, Label, Partition};
-use crate::lattice::FINE;
+use crate::lattice::{FINE, Point};
 
 /// Draws the cells at height `z` (metres, internal frame), north up; one user unit is a metre. `name` gives the text of a
 /// cell's tooltip.
 pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> String {
     let lattice = &partition.lattice;
-    let [lo, hi] = partition.hull.map(|c| [0, 1].map(|axis| lattice.metres(axis, f64::from(c[axis]))));
-    let (width, height) = (hi[0] - lo[0], hi[1] - lo[1]);
+    let place = |p: Point| lattice.metres([f64::from(p.x), f64::from(p.y), 0.0]);
+    let [lo, hi] = partition.hull;
+    let corners = [[lo[0], lo[1]], [hi[0], lo[1]], [hi[0], hi[1]], [lo[0], hi[1]]];
+    let corners = corners.map(|[x, y]| place(Point::new(x, y)));
+    let least = |axis: usize| corners.iter().fold(f64::INFINITY, |least, c| least.min(c[axis]));
+    let most = |axis: usize| corners.iter().fold(f64::NEG_INFINITY, |most, c| most.max(c[axis]));
+    let (left, top) = (least(0), most(1));
+    let (width, height) = (most(0) - left, top - least(1));
     let mut svg = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(
@@ -19,15 +25,15 @@ pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> Str
         (width * 24.0).clamp(320.0, 1600.0)
     );
     let _ = writeln!(svg, "<g stroke=\"#555\" stroke-width=\"0.015\" stroke-linejoin=\"round\">");
-    let level = lattice.local(2, z);
+    let level = lattice.steps(z - lattice.origin[2]);
     for cell in &partition.cells {
         if !is_cut(partition, cell, level) {
             continue;
         }
         let mut path = String::new();
         for (i, p) in partition.footprint(cell).enumerate() {
-            let x = lattice.metres(0, f64::from(p.x)) - lo[0];
-            let y = hi[1] - lattice.metres(1, f64::from(p.y));
+            let [x, y, _] = place(p);
+            let (x, y) = (x - left, top - y);
             let _ = write!(path, "{}{x:.4} {y:.4}", if i == 0 { "M" } else { " L" });
         }
         let _ = writeln!(

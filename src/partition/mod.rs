@@ -11,6 +11,7 @@ pub mod cells;
 mod columns;
 pub mod convex;
 mod crossings;
+mod direction;
 mod faces;
 pub mod figure;
 mod labels;
@@ -78,7 +79,7 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
     let levels = slabs::choose_levels(&triangles, hull, &bodies.lattice);
     lap(&mut report, "faces");
     let lattice = bodies.lattice;
-    report.levels = levels.iter().map(|&z| lattice.metres(2, f64::from(z))).collect();
+    report.levels = levels.iter().map(|&z| lattice.height(f64::from(z))).collect();
     for (element, why) in &bodies.not_carved {
         *report.not_carved.entry(*why).or_default() += 1;
         report.not_carved_elements.push((model.elements[element.0 as usize].path.clone(), *why));
@@ -87,7 +88,7 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
 
     let ranges: Vec<[i32; 2]> = levels.windows(2).map(|w| [w[0], w[1]]).collect();
     let fail = |levels: [i32; 2], why: String| {
-        let [low, high] = levels.map(|z| lattice.metres(2, f64::from(z)));
+        let [low, high] = levels.map(|z| lattice.height(f64::from(z)));
         PartitionError::Slab { low, high, why }
     };
     let raw =

@@ -1,5 +1,6 @@
 //! The plan of a slab as triangles: a constrained Delaunay triangulation of links that do not cross.
 
+use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use crate::lattice::Point;
@@ -33,17 +34,32 @@ pub(super) struct Conflict;
 /// Triangulates the convex hull of `points`, which must be different, with `links` as edges, which must be sorted, each
 /// from its lesser to its greater index, and must not cross or pass through points.
 pub(super) fn triangulate(points: Vec<Point>, links: &[[u32; 2]]) -> Result<Plan, Conflict> {
-    let vertices: Vec<Point2<f64>> =
-        points.iter().map(|p| Point2::new(f64::from(p.x), f64::from(p.y))).collect();
-    let edges: Vec<[usize; 2]> = links.iter().map(|l| l.map(|v| v as usize)).collect();
-    let mut conflicts = 0;
-    let triangulation =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {
-            conflicts += 1
-        })
-        .map_err(|_| Conflict)?;
-    if conflicts > 0 || triangulation.num_vertices() != points.len() {
-        return Err(Conflict);
+    // One by one, in an order of their own: bulk loading inserts some in the order of a randomly seeded hash set, and
+    // where four points lie on a circle the order decides.
+    let order = morton_order(&points);
+    let mut triangulation = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+    let mut handle = vec![FixedVertexHandle::from_index(0); points.len()];
+    let mut last: Option<FixedVertexHandle> = None;
+    for (k, &v) in order.iter().enumerate() {
+        let place = points[v as usize];
+        let place = Point2::new(f64::from(place.x), f64::from(place.y));
+        let inserted = match last {
+            Some(last) => triangulation.insert_with_hint(place, last),
+            None => triangulation.insert(place),
+        };
+        let inserted = inserted.map_err(|_| Conflict)?;
+        if inserted.index() != k {
+            return Err(Conflict);
+        }
+        handle[v as usize] = inserted;
+        last = Some(inserted);
+    }
+    for link in links {
+        let [from, to] = link.map(|v| handle[v as usize]);
+        triangulation.try_add_constraint(from, to);
+        if !triangulation.exists_constraint(from, to) {
+            return Err(Conflict);
+        }
     }
     let count = triangulation.num_inner_faces();
     let mut plan = Plan { points, ..Plan::default() };
@@ -52,14 +68,14 @@ pub(super) fn triangulate(points: Vec<Point>, links: &[[u32; 2]]) -> Result<Plan
     plan.links.reserve(count);
     for face in triangulation.inner_faces() {
         let edges = face.adjacent_edges();
-        plan.triangles.push(edges.map(|edge| edge.from().fix().index() as u32));
+        plan.triangles.push(edges.map(|edge| order[edge.from().fix().index()]));
         // The outer face has the index 0.
         plan.across.push(edges.map(|edge| match edge.rev().face().fix().index() {
             0 => NONE,
             inner => inner as u32 - 1,
         }));
         plan.links.push(edges.map(|edge| {
-            let (a, b) = (edge.from().fix().index() as u32, edge.to().fix().index() as u32);
+            let (a, b) = (order[edge.from().fix().index()], order[edge.to().fix().index()]);
             if !edge.is_constraint_edge() {
                 return NONE;
             }
@@ -67,6 +83,29 @@ pub(super) fn triangulate(points: Vec<Point>, links: &[[u32; 2]]) -> Result<Plan
         }));
     }
     Ok(plan)
+}
+
+/// Points that lie near each other one after another: along Morton's curve.
+fn morton_order(points: &[Point]) -> Vec<u32> {
+    let spread = |c: i32| {
+        let mut bits = u64::from((i64::from(c) + (1 << 31)) as u32);
+        for (shift, mask) in [
+            (16, 0x0000_ffff_0000_ffff),
+            (8, 0x00ff_00ff_00ff_00ff),
+            (4, 0x0f0f_0f0f_0f0f_0f0f),
+            (2, 0x3333_3333_3333_3333),
+            (1, 0x5555_5555_5555_5555u64),
+        ] {
+            bits = (bits | bits << shift) & mask;
+        }
+        bits
+    };
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_unstable_by_key(|&v| {
+        let p = points[v as usize];
+        (spread(p.x) | spread(p.y) << 1, v)
+    });
+    order
 }
 
 #[cfg(test)]

@@ -127,8 +127,8 @@ fn voids(partition: &Partition, cubic_metres: f64) -> Vec<VoidPlace> {
             for p in partition.footprint(cell) {
                 for plane in [cell.floor, cell.ceiling] {
                     let z = partition.planes[plane as usize].height(p) as f64 / FINE as f64;
-                    for (axis, c) in [f64::from(p.x), f64::from(p.y), z].into_iter().enumerate() {
-                        let c = partition.lattice.metres(axis, c);
+                    let at = partition.lattice.metres([f64::from(p.x), f64::from(p.y), z]);
+                    for (axis, c) in at.into_iter().enumerate() {
                         place.bounds[0][axis] = place.bounds[0][axis].min(c);
                         place.bounds[1][axis] = place.bounds[1][axis].max(c);
                     }
