@@ -5,11 +5,17 @@
 //! triangle of the plan the faces stand in order of height: a *column* with a stack of intervals; columns merge into
 //! *cells*: prisms with a convex footprint, one floor plane and one ceiling plane.
 
+pub mod audit;
 mod bodies;
+mod boxes;
 pub mod cells;
 mod columns;
+mod convex;
 mod crossings;
 mod faces;
 mod labels;
+pub mod matter;
 mod plan;
+mod shapes;
 mod slabs;
+pub mod surfaces;
