@@ -218,3 +218,6 @@ impl Auditor {
         checked
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,3 +19,5 @@ mod plan;
 mod shapes;
 mod slabs;
 pub mod surfaces;
+#[cfg(test)]
+mod testing;
