@@ -408,3 +408,6 @@ impl Bodies {
         (0..self.ends.len() as u32).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

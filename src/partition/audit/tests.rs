@@ -212,9 +212,13 @@ fn apart(partition: &Partition, cell: usize, p: DVec3) -> DVec3 {
     (bounds.low - p).max(p - bounds.high).max(DVec3::ZERO)
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+/// The longest edge of a triangle.
+fn longest(corners: &[[f64; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(DVec3::from);
+    (b - a).length().max((c - b).length()).max((a - c).length())
+}
 
+proptest! {
     #[test]
     fn a_cell_taken_away_leaves_exactly_its_exposed_triangles(
         (ticks, labels) in grids(), pick in any::<prop::sample::Index>(),
@@ -257,34 +261,33 @@ proptest! {
             triangles.iter_mut().for_each(|t| t.iter_mut().for_each(|p| p[flat] = ticks[flat][2] * METRE));
         }
         let matter = as_matter(&[triangles]);
-        let report = run(&mut partition, &matter);
+        run(&mut partition, &matter);
         let options = AuditOptions::default();
         let solids: Vec<usize> =
             (0..partition.cells.len()).filter(|&c| !partition.cells[c].label.is_air()).collect();
-        let mut exposed = 0.0;
-        for t in &matter {
-            let points = points_on(&t.corners, 24);
+        for t in matter.iter().filter(|t| t.area() > 0.0) {
+            let points = points_on(&t.corners, 30);
             let is_far = |p: &&DVec3, least: f64| {
                 solids.iter().all(|&s| apart(&partition, s, **p).length() > least * METRE)
             };
-            let far = points.iter().filter(|p| is_far(p, options.tolerance)).count();
-            exposed += t.area() * far as f64 / points.len() as f64;
-            // Twice the wider tolerance is beyond any corner of what was moved out.
-            if points.iter().any(|p| is_far(&p, 2.0 * options.level)) {
+            // Twice the wider tolerance is beyond any corner of what was moved out; about a sample of a triangle that is
+            // wide enough lies more than a sliver.
+            let is_wide = 2.0 * t.area() / longest(&t.corners) > 0.02 * METRE;
+            if is_wide && points.iter().any(|p| is_far(&p, 2.0 * options.level)) {
                 prop_assert!(partition.detail.contains(&t.name()));
             }
-            // Nothing in detail is all within the tolerance, but for a part between the samples.
-            if far == 0 && partition.detail.contains(&t.name()) {
-                let sample = t.area() / points.len() as f64 / METRE / METRE;
-                prop_assert!(report.detail.exposed < 30.0 * sample + 1e-3);
+            let far = points.iter().filter(|p| is_far(p, options.tolerance)).count();
+            let far = far as f64 / points.len() as f64;
+            let report = run(&mut partition.clone(), &[*t]);
+            let exposed = report.detail.exposed * METRE * METRE / t.area();
+            // The sampling errs by what lies along a few lines across the triangle; parts too narrow are not reported.
+            let narrow = 4.0 * 1e-3 * METRE * longest(&t.corners) / t.area();
+            prop_assert!((far - exposed).abs() <= 0.15 + narrow, "{} against {}", far, exposed);
+            prop_assert_eq!(report.detail.triangles == 1, partition.detail.contains(&t.name()));
+            if far == 0.0 {
+                prop_assert!(exposed <= 0.01 + narrow, "{} between samples", exposed);
             }
         }
-        let all: f64 = matter.iter().map(MatterTriangle::area).sum();
-        // Parts too narrow to be detail are not in the report; samples err by a share of the area.
-        prop_assert!(
-            (exposed - report.detail.exposed * METRE * METRE).abs() <= 0.04 * all + 1e-3 * METRE * METRE,
-            "{} of {} against {}", exposed, all, report.detail.exposed * METRE * METRE
-        );
     }
 
     #[test]
@@ -319,7 +322,7 @@ proptest! {
         }
         let all: f64 = matter.iter().map(MatterTriangle::area).sum();
         prop_assert!(
-            (exposed - report.detail.exposed * METRE * METRE).abs() <= 0.04 * all + 4e-3 * METRE * METRE,
+            (exposed - report.detail.exposed * METRE * METRE).abs() <= 0.05 * all + 8e-3 * METRE * METRE,
             "{} of {} against {}", exposed, all, report.detail.exposed * METRE * METRE
         );
     }
