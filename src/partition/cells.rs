@@ -81,6 +81,9 @@ pub struct Source {
     /// Triangles, as element and index in its mesh, in ascending order; never empty. Any of them may be met near any
     /// point of the surface. They face the air.
     pub triangles: Vec<(ElementId, u32)>,
+    /// Place in `triangles` of one in whose plane all of them lie, to a micrometre: a ray may meet that plane instead of
+    /// the triangles. `None` if there is none.
+    pub plane: Option<u32>,
 }
 
 /// The hull cut into cells.

@@ -6,7 +6,9 @@
 //! *cells*: prisms with a convex footprint, one floor plane and one ceiling plane.
 
 mod assemble;
+pub mod audit;
 mod bodies;
+mod boxes;
 pub mod cells;
 mod columns;
 pub mod convex;
@@ -14,15 +16,21 @@ mod crossings;
 mod direction;
 mod faces;
 pub mod figure;
+mod halfspaces;
 mod labels;
+pub mod matter;
 mod overlap;
 mod plan;
 mod regions;
 mod report;
+mod shapes;
 mod slabs;
 pub mod snap;
 mod stacks;
 pub mod straighten;
+pub mod surfaces;
+#[cfg(test)]
+mod testing;
 mod unkink;
 
 use std::collections::BTreeMap;
@@ -31,13 +39,16 @@ use std::time::Instant;
 use enfilade_importers::{ElementId, Model, Untagged};
 
 use assemble::Built;
-use bodies::Bodies;
+use audit::AuditOptions;
+use bodies::{Bodies, Body};
 use cells::Partition;
 use columns::{Columns, Toggles};
 use faces::Triangle;
 use labels::Labels;
+use matter::MatterTriangle;
 use plan::Plan;
 use stacks::Joined;
+use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
@@ -124,10 +135,29 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
     report.slivers_volume = slivers.values().sum();
     let path = |element: ElementId| model.elements[element.0 as usize].path.clone();
     report.slivers = slivers.into_iter().map(|(element, volume)| (path(element), volume)).collect();
-    let partition = assemble::assemble(lattice, hull, &slabs, bodies.detail);
-    report.read(&partition, model);
+    let mut partition = assemble::assemble(lattice, hull, &slabs, std::mem::take(&mut bodies.detail));
     lap(&mut report, "assembly");
+    let matter = matter(&bodies);
+    report.surfaces = surfaces::attach(&mut partition, &matter, &SurfaceOptions::default());
+    lap(&mut report, "surfaces");
+    report.audit = audit::audit(&mut partition, &matter, &AuditOptions::default());
+    lap(&mut report, "audit");
+    report.read(&partition, model);
     Ok((partition, report))
+}
+
+/// The triangles of the bodies that carve.
+fn matter(bodies: &Bodies) -> Vec<MatterTriangle> {
+    let solid = bodies.bodies.iter().filter(|body| body.is_solid);
+    let of = |body: &Body| -> Vec<MatterTriangle> {
+        let triangle = |t: &bodies::Corner3| MatterTriangle {
+            corners: t.corners.map(|v| body.exact[v as usize]),
+            element: body.element,
+            triangle: t.source,
+        };
+        body.triangles.iter().map(triangle).collect()
+    };
+    solid.flat_map(of).collect()
 }
 
 fn hull(bodies: &Bodies) -> [[i32; 3]; 2] {

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use enfilade_importers::{Model, Semantic};
 use serde::Serialize;
 
+use super::audit::AuditReport;
 use super::bodies::NotCarved;
 use super::cells::{Cell, Label, NONE, Partition};
+use super::surfaces::SurfaceReport;
 use crate::lattice::{FINE, FINE_BITS, Point, orient};
 
 /// Report of a partition. Places, lengths and volumes are in the internal frame and metres.
@@ -41,6 +43,12 @@ pub struct PartitionReport {
     pub slivers: Vec<(String, f64)>,
     /// The farthest that rounding and straightening moved a point in the plan.
     pub largest_displacement: f64,
+    /// What makes the surfaces between air and matter.
+    #[serde(skip)]
+    pub surfaces: SurfaceReport,
+    /// What of the bodies' triangles became detail after all.
+    #[serde(skip)]
+    pub audit: AuditReport,
     /// Seconds of each stage.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
