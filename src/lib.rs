@@ -67,6 +67,8 @@ pub mod render;
 #[cfg(feature = "compile")]
 pub mod roles;
 pub mod scene;
+#[cfg(feature = "compile")]
+mod splitmix;
 pub mod trace;
 #[cfg(feature = "compile")]
 pub mod verify;
