@@ -68,6 +68,8 @@ pub mod render;
 pub mod roles;
 pub mod scene;
 #[cfg(feature = "compile")]
+mod shells;
+#[cfg(feature = "compile")]
 mod splitmix;
 pub mod trace;
 #[cfg(feature = "compile")]
