@@ -34,8 +34,7 @@ pub fn check(input: &[u8]) {
     let Ok(compiled) = compile(&read, &options) else { return };
     let (scene, roles) = (compiled.scene(), roles(&read, Untagged::default()));
     let mut options = VerifyOptions::default().with_rays(24).with_grid_rays(24);
-    // Not along edges from their ends: in the plane of a lone triangle nothing but rounding tells whether it is met.
-    (options.solid_rays, options.hard_rays) = (24, 0);
+    (options.solid_rays, options.hard_rays) = (24, 24);
     let tracer =
         |rays: &[enfilade::Ray], hits: &mut [enfilade::Hit]| scene.trace_many(rays, hits, Default::default());
     match verify(&read, |element| roles[element.0 as usize], &tracer, &options) {

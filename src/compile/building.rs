@@ -37,7 +37,7 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
     let mut volumes = vec![0..0; model.elements.len()];
     for (i, volume) in tables.volumes.iter().enumerate() {
         let range = &mut volumes[volume.element as usize];
-        *range = if range.is_empty() { i } else { range.start }..i + 1;
+        *range = if range.start == range.end { i } else { range.start }..i + 1;
     }
     for (i, element) in model.elements.iter().enumerate() {
         let id = tables.text(&element.id);
