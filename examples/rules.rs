@@ -17,11 +17,11 @@ const USAGE: &str = "usage: rules MODEL [RULES.toml]";
 /// The rules if no file is named. The first that matches an element decides; elements that none matches keep what the
 /// shipped table and their names say.
 const OURS: &str = r#"
-# Steps and terraces are slabs to walk on, not stairs.
+# Terraces and steps are part of the garden, not of the building.
 [[rule]]
 class = '^IfcSlab$'
 name = '(?i)terrace|step'
-semantic = "GROUND"
+semantic = "SITE"
 
 # Sanitary ware counts as furniture.
 [[rule]]

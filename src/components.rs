@@ -9,12 +9,12 @@ use std::collections::HashMap;
 
 use enfilade_importers::Mesh;
 
-/// How the triangles of one closed component tell inside from outside.
+/// Whether the triangles of a closed component agree about the outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Orientation {
-    /// All outward, or all inward: the winding number is right.
+    /// All outward, or all inward.
     Consistent,
-    /// Mixed: only the parity of crossings is right.
+    /// Some outward, some inward.
     Mixed,
 }
 

@@ -71,6 +71,10 @@ pub mod render;
 #[cfg(feature = "compile")]
 pub mod roles;
 pub mod scene;
+#[cfg(feature = "compile")]
+mod shells;
+#[cfg(feature = "compile")]
+mod splitmix;
 pub mod trace;
 #[cfg(feature = "compile")]
 pub mod verify;

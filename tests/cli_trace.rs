@@ -3,13 +3,14 @@
 
 mod common;
 
-use common::{Folder, Random, fixture_arg};
+use common::{Folder, fixture_arg};
+use enfilade_testing::Random;
 
 type Row = Vec<f64>;
 
 /// Rays about the house in its own frame (Y up), from inside and outside.
 fn rays(count: usize) -> Vec<[f64; 6]> {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let ray = |_| {
         let [x, y, z] = random.point([-3.0, -1.0, -13.0], [15.0, 6.0, 4.0]);
         let [u, v, w] = random.direction();

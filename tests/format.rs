@@ -9,10 +9,11 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use common::{Random, enf, fixture};
+use common::{enf, fixture};
 use enfilade::format::FormatError;
 use enfilade::importers::{ImportOptions, Model, import};
 use enfilade::{Answer, CompileOptions, Hit, Ray, Scene, Want, compile};
+use enfilade_testing::Random;
 
 fn house_model() -> Model {
     import(&fixture("house.glb"), &ImportOptions::default()).unwrap()
@@ -25,7 +26,7 @@ fn house() -> &'static [u8] {
 }
 
 fn rays(count: usize) -> Vec<Ray> {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let ray = |_| Ray::new(random.point([-7.0, -8.0, -1.0], [19.0, 17.0, 7.0]), random.direction());
     (0..count).map(ray).collect()
 }
@@ -256,7 +257,7 @@ fn damage(random: &mut Random, bytes: &mut [u8]) {
 
 #[test]
 fn damage_without_checksums_is_always_noticed() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let used: Vec<std::ops::Range<usize>> = std::iter::once(0..enf::row(enf::sections(house()).len()))
         .chain(enf::sections(house()).into_iter().map(|s| s.start..s.start + s.length))
         .filter(|range| !range.is_empty())
@@ -286,7 +287,7 @@ fn damage_without_checksums_is_always_noticed() {
 fn damage_with_right_checksums_is_refused_or_harmless() {
     let rays = rays(200);
     let sections: Vec<enf::Section> = enf::sections(house()).into_iter().filter(|s| s.length > 0).collect();
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let (mut refused, mut opened) = (0, 0);
     let mut slowest = Duration::ZERO;
     for round in 0..3000 {

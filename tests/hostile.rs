@@ -10,6 +10,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::{Folder, enf};
+use enfilade_testing::glb;
+use enfilade_testing::wall::{self, bin, json as good};
 use serde_json::{Value, json};
 
 /// What the binary is told that it may use.
@@ -68,90 +70,14 @@ fn refused(what: &str, folder: &Folder, arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// A glTF file that is right: a wall of four triangles below a site, with sparse points, a texture, a light and a
-/// camera. Its binary chunk: 0 to 48 four points, 48 to 72 twelve 16-bit indices, 72 to 76 two sparse 16-bit indices,
-/// 76 to 100 two sparse points.
-fn good() -> Value {
-    json!({
-        "asset": { "version": "2.0" },
-        "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [
-            { "name": "site", "children": [1, 2] },
-            { "name": "IfcWall:W", "mesh": 0 },
-            { "name": "eye", "camera": 0 }
-        ],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
-        "materials": [{}],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }],
-        "accessors": [
-            {
-                "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
-                "min": [0, 0, 0], "max": [2, 1, 1],
-                "sparse": {
-                    "count": 2,
-                    "indices": { "bufferView": 2, "componentType": 5123 },
-                    "values": { "bufferView": 3 }
-                }
-            },
-            { "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" }
-        ],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": 48 },
-            { "buffer": 0, "byteOffset": 48, "byteLength": 24 },
-            { "buffer": 0, "byteOffset": 72, "byteLength": 4 },
-            { "buffer": 0, "byteOffset": 76, "byteLength": 24 }
-        ],
-        "buffers": [{ "byteLength": 100 }]
-    })
-}
-
-fn bin() -> Vec<u8> {
-    let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
-    let shorts = |values: &[u16]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
-    [
-        floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 9.0, 9.0, 9.0]),
-        shorts(&[0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]),
-        shorts(&[1, 3]),
-        floats(&[2.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
-    ]
-    .concat()
-}
-
-fn glb_of_text(text: &[u8], bin: &[u8]) -> Vec<u8> {
-    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-    for (kind, body, padding) in [(b"JSON", text, b' '), (b"BIN\0", bin, 0)] {
-        let length = body.len().next_multiple_of(4);
-        bytes.extend((length as u32).to_le_bytes());
-        bytes.extend(kind);
-        bytes.extend(body);
-        bytes.resize(bytes.len() + length - body.len(), padding);
-    }
-    let length = bytes.len() as u32;
-    bytes[8..12].copy_from_slice(&length.to_le_bytes());
-    bytes
-}
-
-fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
-    glb_of_text(json.to_string().as_bytes(), bin)
-}
-
 /// The good file with another value at a JSON pointer.
 fn changed(pointer: &str, value: Value) -> Vec<u8> {
-    let mut json = good();
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    match json.pointer_mut(parent).unwrap_or_else(|| panic!("no {pointer}")) {
-        Value::Array(items) => items[key.parse::<usize>().unwrap()] = value,
-        parent => parent[key] = value,
-    }
-    glb(&json, &bin())
+    glb::of_json(&wall::changed(good(), pointer, value), &bin())
 }
 
 /// The good file with other bytes in its binary chunk.
 fn patched(offset: usize, bytes: &[u8]) -> Vec<u8> {
-    let mut bin = bin();
-    bin[offset..offset + bytes.len()].copy_from_slice(bytes);
-    glb(&good(), &bin)
+    glb::of_json(&good(), &wall::patched(offset, bytes))
 }
 
 /// `count` nodes of one mesh of 100,000 triangles.
@@ -175,7 +101,7 @@ fn instances_by_nodes(count: usize) -> Vec<u8> {
         { "buffer": 0, "byteOffset": 48, "byteLength": indices.len() }
     ]);
     json["buffers"] = json!([{ "byteLength": bin.len() }]);
-    glb(&json, &bin)
+    glb::of_json(&json, &bin)
 }
 
 /// The good file, with `count` instances of its wall.
@@ -187,7 +113,7 @@ fn instanced(count: u64) -> Vec<u8> {
         .as_array_mut()
         .unwrap()
         .push(json!({ "componentType": 5126, "type": "VEC3", "count": count }));
-    glb(&json, &bin())
+    glb::of_json(&json, &bin())
 }
 
 /// A chain of nodes each of which has the next one twice: node 20 would stand in 2^20 places.
@@ -196,7 +122,7 @@ fn doubled() -> Vec<u8> {
     let mut nodes: Vec<Value> = (0..20).map(|i| json!({ "children": [i + 1, i + 1] })).collect();
     nodes.push(json!({ "name": "IfcWall:W", "mesh": 0 }));
     json["nodes"] = Value::Array(nodes);
-    glb(&json, &bin())
+    glb::of_json(&json, &bin())
 }
 
 /// The same without an equal pair of children: each level has two nodes, with both of the next as children.
@@ -207,14 +133,14 @@ fn diamonds() -> Vec<u8> {
     nodes.extend([json!({ "mesh": 0 }), json!({ "mesh": 0 })]);
     json["nodes"] = Value::Array(nodes);
     json["scenes"][0]["nodes"] = json!([0, 1]);
-    glb(&json, &bin())
+    glb::of_json(&json, &bin())
 }
 
 type Case = (&'static str, &'static str, Vec<u8>, &'static [&'static str]);
 
 /// What it is, the file's name, its bytes, what the message holds beside the name.
 fn gltf_table() -> Vec<Case> {
-    let whole = glb(&good(), &bin());
+    let whole = glb::of_json(&good(), &bin());
     let text = good().to_string().into_bytes();
     let zeros =
         |component: u32, kind: &str| json!({ "componentType": component, "type": kind, "count": 1u64 << 31 });
@@ -228,7 +154,7 @@ fn gltf_table() -> Vec<Case> {
             &format!(r#""name":"IfcWall:W","matrix":[{n},0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"#),
         );
         assert!(text.contains("matrix"));
-        glb_of_text(text.as_bytes(), &bin())
+        glb::of_text(text.as_bytes(), &bin())
     };
     vec![
         ("empty", "a.glb", vec![], &[]),
@@ -375,7 +301,7 @@ fn obj_table() -> Vec<Case> {
         ("empty", "a.obj", vec![], &["no triangles"]),
         ("garbage", "a.obj", noise, &["line 1"]),
         ("a web page", "a.obj", b"<!DOCTYPE html>\n<p>sign in</p>\n".to_vec(), &["line 1", "no OBJ"]),
-        ("a glb", "a.obj", glb(&good(), &bin())[4..].to_vec(), &["line 1"]),
+        ("a glb", "a.obj", glb::of_json(&good(), &bin())[4..].to_vec(), &["line 1"]),
         ("no faces", "a.obj", SQUARE.into(), &["no triangles"]),
         ("zero area only", "a.obj", obj("f 1 2 2\nf 1 2 1 2"), &["no triangles"]),
         ("index 0", "a.obj", obj("f 0 1 2"), &["line 7", "'a'", "vertex 0"]),
@@ -422,7 +348,7 @@ fn hostile_models_are_refused() {
 #[test]
 fn the_good_files_are_good() {
     let folder = Folder::new();
-    folder.write("a.glb", glb(&good(), &bin()));
+    folder.write("a.glb", glb::of_json(&good(), &bin()));
     folder.write("a.obj", obj("f 1 2 3"));
     for name in ["a.glb", "a.obj"] {
         for arguments in
@@ -438,7 +364,7 @@ fn the_good_files_are_good() {
 #[test]
 fn models_cut_at_any_length_are_refused() {
     let folder = Folder::new();
-    let whole = glb(&good(), &bin());
+    let whole = glb::of_json(&good(), &bin());
     for length in (0..whole.len()).step_by(67).chain([1, 4, 11, 12, 19, 20, whole.len() - 1]) {
         folder.write("cut.glb", &whole[..length]);
         refused(&format!("{length} bytes"), &folder, &["inspect", "cut.glb"], &["cut.glb"]);
@@ -483,7 +409,7 @@ fn pictures_that_cannot_be_read_cost_a_colour_only() {
         json["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
         json["textures"] = json!([{ "source": 0 }]);
         json["images"] = json!([{ "uri": "bomb.png" }]);
-        folder.write("a.glb", glb(&json, &bin()));
+        folder.write("a.glb", glb::of_json(&json, &bin()));
         folder.write("a.mtl", "newmtl m\nmap_Kd bomb.png\n");
         folder.write("a.obj", format!("mtllib a.mtl\n{SQUARE}usemtl m\nf 1 2 3\n"));
         for (name, place) in [("a.glb", "images[0]: "), ("a.obj", "a.mtl: line 1: the texture 'bomb.png'")] {
@@ -588,7 +514,7 @@ fn endless_files_are_refused() {
 
 /// The wall as a compiled scene.
 fn scene(folder: &Folder) -> Vec<u8> {
-    folder.write("a.glb", glb(&good(), &bin()));
+    folder.write("a.glb", glb::of_json(&good(), &bin()));
     assert_eq!(run(folder, &["compile", "a.glb", "-o", "a.enf"]).0, 0);
     folder.read("a.enf")
 }

@@ -1,6 +1,7 @@
 //! Every kernel against a naive f64 tracer of ten lines, on triangle soups made to be hard.
 
-use enfilade::importers::{Frame, Material, Model, ModelBuilder, NewElement, Semantic};
+use enfilade::importers::{Frame, Material, Model, ModelBuilder, NewElement, Role, Semantic};
+use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::{CompileOptions, Hit, Kernel, Ray, Start, Want, compile};
 use proptest::prelude::*;
 
@@ -199,4 +200,81 @@ fn a_ray_in_the_plane_of_a_triangle_does_not_meet_it_anywhere() {
     let scene = compile(&soup(&[wall, slab]), &CompileOptions::default()).unwrap().scene();
     let hit = scene.trace_from(Start::Cell(0), &Ray::new(origin, [0.0, 0.0, 1.0]), Want::LEAST);
     assert_eq!((hit.triangle, hit.t), (1, top), "not somewhere on the wall");
+}
+
+/// Whether the truth calls what the scene says of the ray right.
+fn is_right(triangles: &[[[f64; 3]; 3]], ray: &Ray) -> bool {
+    let model = soup(triangles);
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let truth = Truth::new(&model, |_| Role::Detail, &TruthOptions::default());
+    truth.judge(ray, &scene.trace(ray)).verdict.is_right()
+}
+
+#[test]
+fn slivers_that_face_the_ray_are_met_and_triangles_seen_edge_on_are_not() {
+    let meet = |triangles: &[[[f64; 3]; 3]], ray: &Ray| {
+        let scene = compile(&soup(triangles), &CompileOptions::default()).unwrap().scene();
+        let hit = scene.trace_from(Start::Cell(0), ray, Want::LEAST);
+        assert!(is_right(triangles, ray));
+        (hit.t, hit.triangle)
+    };
+    // So far from the origin that the last bit of a coordinate is worth 1.4e-14 m.
+    let width = 3.0 * 1.421_085_471_520_200_4e-14;
+    for tilt in [0.0, 0.5, -2.0] {
+        let depth = |x: f64| 100.0 + tilt * (x - 100.0);
+        let at = |x: f64, y: f64| [x, y, depth(x)];
+        let sliver = [at(100.0, 100.0), at(101.0, 100.0), at(100.5, 100.0 + width)];
+        let ray = Ray::new([100.4, 100.0 + width / 3.0, 90.0], [0.0, 0.0, 1.0]);
+        let (t, _) = meet(&[sliver], &ray);
+        assert!((t - (10.0 + tilt * 0.4)).abs() < 1e-9, "{t}");
+        // Between two walls, of which the ray meets neither.
+        let below = [at(100.0, 100.0), at(101.0, 100.0), at(100.5, 99.0)];
+        let above = [at(100.0, 100.0), at(100.5, 100.0 + width), at(100.2, 101.0)];
+        let (t, _) = meet(&[below, sliver, above], &ray);
+        assert!((t - (10.0 + tilt * 0.4)).abs() < 1e-9, "{t}");
+    }
+    // As narrow to the ray, but a metre deep.
+    let deep = [[100.0, 100.0, 100.0], [101.0, 100.0, 100.0], [100.5, 100.0 + width, 101.0]];
+    let (t, _) = meet(&[deep], &Ray::new([100.4, 100.0 + width / 3.0, 90.0], [0.0, 0.0, 1.0]));
+    assert_eq!(t, f64::INFINITY);
+}
+
+#[test]
+fn stairs_seen_along_their_risers_are_tight() {
+    // Steps in profile, and below them the stair's underside: closed along any ray that comes down on the treads.
+    let steps = 12;
+    let mut random = enfilade_testing::Random::new(3);
+    for round in 0..40 {
+        // Turned somehow, and somewhere: no riser is parallel to an axis.
+        let x = glam::DVec3::from(random.direction()).normalize();
+        let y = x.cross(glam::DVec3::from(random.direction())).normalize();
+        let z = x.cross(y);
+        let far = [0.0, 10.0, 300.0][round % 3];
+        let origin = glam::DVec3::from(random.point([-far; 3], [far; 3]));
+        let at = |p: [f64; 3]| (origin + x * p[0] + y * p[1] + z * p[2]).to_array();
+        let mut triangles = Vec::new();
+        let mut quad = |corners: [[f64; 3]; 4]| {
+            let [a, b, c, d] = corners.map(at);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        };
+        for i in 0..steps {
+            let (low, high) = (f64::from(i) * 0.3, f64::from(i + 1) * 0.3);
+            let (step, next) = (f64::from(i) * 0.17, f64::from(i + 1) * 0.17);
+            quad([[low, 0.0, step], [high, 0.0, step], [high, 1.0, step], [low, 1.0, step]]);
+            quad([[high, 0.0, step], [high, 0.0, next], [high, 1.0, next], [high, 1.0, step]]);
+        }
+        let end = f64::from(steps) * 0.3;
+        let top = f64::from(steps) * 0.17;
+        quad([[end, 0.0, top], [end + 1.0, 0.0, top], [end + 1.0, 1.0, top], [end, 1.0, top]]);
+        let scene = compile(&soup(&triangles), &CompileOptions::default()).unwrap().scene();
+        for _ in 0..400 {
+            let riser = f64::from(1 + random.below(steps as usize - 1) as u32) * 0.3;
+            let beside = [0.0, 1e-15, 1e-14, 1e-13][random.below(4)] * random.between(-1.0, 1.0);
+            let target = at([riser + beside, random.between(0.1, 0.9), 0.0]);
+            let start = at([riser + beside, random.between(0.1, 0.9), 5.0]);
+            let down = [0, 1, 2].map(|i| target[i] - start[i]);
+            let hit = scene.trace_from(Start::Cell(0), &Ray::new(start, down), Want::LEAST);
+            assert!(hit.t.is_finite(), "round {round}: through a stair {far} m away, beside {beside}");
+        }
+    }
 }

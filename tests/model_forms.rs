@@ -9,7 +9,8 @@ mod common;
 #[path = "common/forms/mod.rs"]
 mod forms;
 
-use enfilade::importers::{Model, UpAxis, import};
+use enfilade::importers::{Material, Model, UpAxis, import};
+use enfilade_testing::{glb, wall};
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -251,6 +252,22 @@ fn short_coordinates_are_exact_to_the_last_bit() {
             let expected = ["0gP1$ground", "1wN_north", "2wE", "4sL", "5room", "6roomL", "7c", "Cr", "Dx"];
             assert_eq!(exact, expected, "{form:?}");
         }
+    }
+}
+
+#[test]
+fn surfaces_without_a_material_are_alike() {
+    let mut json = wall::json();
+    json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+    json.as_object_mut().unwrap().remove("materials");
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\no IfcWall:W\nf 1 2 3\n".to_owned();
+    for (name, bytes) in [("a.glb", glb::of_json(&json, &wall::bin())), ("a.obj", obj.into_bytes())] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let model = import(&path, &Default::default()).unwrap();
+        assert_eq!(model.materials, [Material::default()], "{name}");
+        assert_eq!(model.materials[0].name, "", "{name}");
     }
 }
 

@@ -3,8 +3,7 @@
 use std::hint::black_box;
 
 use enfilade::{Answer, Hit, Kernel, NONE, Place, Ray, Scene, Start, Want};
-
-use crate::numbers::Random;
+use enfilade_testing::Random;
 
 /// Rays of each kind.
 const RAYS: usize = 12;

@@ -2,10 +2,11 @@
 //! mutator that does so.
 
 use enfilade::Scene;
+use enfilade_testing::Random;
 use twox_hash::XxHash3_64;
 
 use crate::ask::{self, Origin};
-use crate::numbers::{Random, change_number};
+use crate::numbers::change_number;
 
 const HEADER: usize = 64;
 const ENTRY: usize = 64;
@@ -88,7 +89,7 @@ pub fn mutate(
     seed: u32,
     plain: fn(&mut [u8], usize, usize) -> usize,
 ) -> usize {
-    let mut random = Random::new(seed);
+    let mut random = Random::new(u64::from(seed));
     let Some((mut head, mut sections)) = sections(&data[..size]) else { return plain(data, size, max_size) };
     for _ in 0..1 + random.below(3) {
         if sections.is_empty() || random.one_in(64) {

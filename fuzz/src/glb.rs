@@ -2,9 +2,10 @@
 //! goes through.
 
 use enfilade::importers::gltf;
+use enfilade_testing::Random;
 use serde_json::Value;
 
-use crate::numbers::{Random, change_number};
+use crate::numbers::change_number;
 use crate::{FILE, json, model, options};
 
 /// Reads `file`, and goes on with the model if it is one.
@@ -37,17 +38,7 @@ impl Parts {
     /// The file of these parts, with the lengths that belong to them.
     pub fn file(&self) -> Vec<u8> {
         let Some(bin) = &self.bin else { return self.json.clone() };
-        let mut file = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-        for (kind, body, padding) in [(b"JSON", &self.json, b' '), (b"BIN\0", bin, 0)] {
-            let length = body.len().next_multiple_of(4);
-            file.extend((length as u32).to_le_bytes());
-            file.extend(kind);
-            file.extend(body);
-            file.resize(file.len() + length - body.len(), padding);
-        }
-        let length = file.len() as u32;
-        file[8..12].copy_from_slice(&length.to_le_bytes());
-        file
+        enfilade_testing::glb::of_text(&self.json, bin)
     }
 }
 
@@ -67,7 +58,7 @@ pub fn mutate(
     seed: u32,
     plain: fn(&mut [u8], usize, usize) -> usize,
 ) -> usize {
-    let mut random = Random::new(seed);
+    let mut random = Random::new(u64::from(seed));
     // The container itself.
     if random.one_in(10) {
         return plain(data, size, max_size);

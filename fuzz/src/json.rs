@@ -1,8 +1,7 @@
 //! Mutations of a JSON tree: what comes out is always JSON, so that readers get past their parsers.
 
+use enfilade_testing::Random;
 use serde_json::{Map, Number, Value, json};
-
-use crate::numbers::Random;
 
 /// Keys and words of glTF and of the metadata that enfilade reads.
 pub const WORDS: [&str; 112] = [

@@ -1,38 +1,6 @@
-//! Random choices for mutators, and numbers at the edge of something.
+//! Numbers at the edge of something.
 
-/// A small generator (SplitMix64), seeded by libFuzzer, so that a run can be repeated.
-pub struct Random(u64);
-
-impl Random {
-    /// A generator that starts at `seed`.
-    pub fn new(seed: u32) -> Random {
-        Random(u64::from(seed))
-    }
-
-    /// Any number.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A number less than `end`; 0 if `end` is 0.
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.bits() % end.max(1) as u64) as usize
-    }
-
-    /// Yes, once in `times`.
-    pub fn one_in(&mut self, times: usize) -> bool {
-        self.below(times) == 0
-    }
-
-    /// One of `items`, of which there must be some.
-    pub fn pick<'a, T>(&mut self, items: &'a [T]) -> &'a T {
-        &items[self.below(items.len())]
-    }
-}
+use enfilade_testing::Random;
 
 /// 32-bit words at the edge of something, as indices, counts or floats.
 const WORDS: [u32; 18] = [

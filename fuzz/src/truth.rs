@@ -1,6 +1,5 @@
 //! Answers to rays in small models of any shape, compared with the truth.
 
-use enfilade::components::{Orientation, components};
 use enfilade::importers::{Model, Semantic, Untagged, obj};
 use enfilade::roles::roles;
 use enfilade::{CompileOptions, VerifyOptions, compile, verify};
@@ -17,13 +16,7 @@ const FARTHEST: f64 = 1e5;
 pub fn check(input: &[u8]) {
     let Ok(mut read) = obj::read_text(input, FILE, None, &options()) else { return };
     let far = |model: &Model| model.bounds().is_none_or(|b| b.iter().flatten().any(|c| c.abs() > FARTHEST));
-    // The compiler turns the triangles of badly wound shells and counts windings, the truth counts crossings: where such
-    // a shell overlaps itself they mean different insides.
-    let badly_wound = |model: &Model| {
-        let mut parts = model.elements.iter().flat_map(|element| components(&element.mesh));
-        parts.any(|part| part.closed && part.orientation == Orientation::Mixed)
-    };
-    if read.triangle_count() > MOST_TRIANGLES || far(&read) || badly_wound(&read) {
+    if read.triangle_count() > MOST_TRIANGLES || far(&read) {
         return;
     }
     model::check(&read);
@@ -41,8 +34,7 @@ pub fn check(input: &[u8]) {
     let Ok(compiled) = compile(&read, &options) else { return };
     let (scene, roles) = (compiled.scene(), roles(&read, Untagged::default()));
     let mut options = VerifyOptions::default().with_rays(24).with_grid_rays(24);
-    // Not along edges from their ends: in the plane of a lone triangle nothing but rounding tells whether it is met.
-    (options.solid_rays, options.hard_rays) = (24, 0);
+    (options.solid_rays, options.hard_rays) = (24, 24);
     let tracer =
         |rays: &[enfilade::Ray], hits: &mut [enfilade::Hit]| scene.trace_many(rays, hits, Default::default());
     match verify(&read, |element| roles[element.0 as usize], &tracer, &options) {

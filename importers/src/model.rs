@@ -125,7 +125,7 @@ pub enum TagSource {
 /// A surface's look. Colours are linear RGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// The name as the source has it.
+    /// The name as the source has it; empty if it has none, and for surfaces without a material.
     pub name: String,
     /// Base colour, linear RGB in 0..=1; the texture's mean colour is multiplied in.
     pub base_color: [f32; 3],

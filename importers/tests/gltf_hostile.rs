@@ -3,6 +3,8 @@
 #![cfg(feature = "gltf")]
 
 use enfilade_importers::{ImportError, ImportOptions, Limits, Model, gltf};
+use enfilade_testing::wall::{self, bin};
+use enfilade_testing::{Random, glb};
 use serde_json::{Value, json};
 
 const FILE: &str = "hostile.glb";
@@ -10,75 +12,18 @@ const FILE: &str = "hostile.glb";
 /// The most memory that a reader may take here.
 const MEMORY: u64 = 64 << 20;
 
-/// A box-like file that is right: a node below a root, indexed and sparse accessors, a material with an image, a
-/// light and a camera. Its binary chunk: 0 to 48 four points, 48 to 72 twelve 16-bit indices, 72 to 76 two sparse
-/// 16-bit indices, 76 to 100 two sparse points.
+/// The good wall below a moved site, with an image, a light and what identifies it.
 fn good() -> Value {
-    json!({
-        "asset": { "version": "2.0" },
-        "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [
-            { "name": "site", "children": [1, 2], "translation": [1.0, 2.0, 3.0] },
-            { "name": "IfcWall:W", "mesh": 0, "rotation": [0.0, 0.6, 0.0, 0.8], "extras": { "global_id": "w" } },
-            { "name": "eye", "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } }
-        ],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
-        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
-        "textures": [{ "source": 0 }],
-        "images": [{ "uri": "data:image/png;base64,iVBORw0KGgo=" }],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }],
-        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point" }] } },
-        "accessors": [
-            {
-                "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
-                "sparse": {
-                    "count": 2,
-                    "indices": { "bufferView": 2, "componentType": 5123 },
-                    "values": { "bufferView": 3 }
-                }
-            },
-            { "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" }
-        ],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": 48 },
-            { "buffer": 0, "byteOffset": 48, "byteLength": 24 },
-            { "buffer": 0, "byteOffset": 72, "byteLength": 4 },
-            { "buffer": 0, "byteOffset": 76, "byteLength": 24 }
-        ],
-        "buffers": [{ "byteLength": 100 }]
-    })
-}
-
-fn bin() -> Vec<u8> {
-    let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
-    let shorts = |values: &[u16]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
-    [
-        floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 9.0, 9.0, 9.0]),
-        shorts(&[0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]),
-        shorts(&[1, 3]),
-        floats(&[2.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
-    ]
-    .concat()
-}
-
-fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
-    let text = serde_json::to_vec(json).unwrap();
-    glb_of_text(&text, bin)
-}
-
-fn glb_of_text(text: &[u8], bin: &[u8]) -> Vec<u8> {
-    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-    for (kind, body, padding) in [(b"JSON", text, b' '), (b"BIN\0", bin, 0)] {
-        let length = body.len().next_multiple_of(4);
-        bytes.extend((length as u32).to_le_bytes());
-        bytes.extend(kind);
-        bytes.extend(body);
-        bytes.resize(bytes.len() + length - body.len(), padding);
-    }
-    let length = bytes.len() as u32;
-    bytes[8..12].copy_from_slice(&length.to_le_bytes());
-    bytes
+    let mut json = wall::json();
+    json["nodes"][0]["translation"] = json!([1.0, 2.0, 3.0]);
+    json["nodes"][1]["rotation"] = json!([0.0, 0.6, 0.0, 0.8]);
+    json["nodes"][1]["extras"] = json!({ "global_id": "w" });
+    json["nodes"][2]["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 } });
+    json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
+    json["textures"] = json!([{ "source": 0 }]);
+    json["images"] = json!([{ "uri": "data:image/png;base64,iVBORw0KGgo=" }]);
+    json
 }
 
 fn read(bytes: &[u8]) -> Result<Model, ImportError> {
@@ -91,33 +36,25 @@ fn read(bytes: &[u8]) -> Result<Model, ImportError> {
 
 #[test]
 fn the_good_file_is_good() {
-    let model = read(&glb(&good(), &bin())).unwrap();
+    let model = read(&glb::of_json(&good(), &bin())).unwrap();
     assert_eq!((model.elements.len(), model.triangle_count()), (1, 4));
     assert_eq!((model.lights.len(), model.cameras.len()), (1, 1));
     assert_eq!(model.warnings.len(), 1, "the image is cut off: {:?}", model.warnings);
 }
 
-/// A change to the good JSON: at a pointer, a new value.
+/// The good file with another value at a JSON pointer.
 fn changed(pointer: &str, value: Value) -> Vec<u8> {
-    let mut json = good();
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    let parent = json.pointer_mut(parent).unwrap_or_else(|| panic!("no {pointer}"));
-    match parent {
-        Value::Array(items) => items[key.parse::<usize>().unwrap()] = value,
-        parent => parent[key] = value,
-    }
-    glb(&json, &bin())
+    glb::of_json(&wall::changed(good(), pointer, value), &bin())
 }
 
+/// The good file with other bytes in its binary chunk.
 fn patched(offset: usize, bytes: &[u8]) -> Vec<u8> {
-    let mut bin = bin();
-    bin[offset..offset + bytes.len()].copy_from_slice(bytes);
-    glb(&good(), &bin)
+    glb::of_json(&good(), &wall::patched(offset, bytes))
 }
 
 #[test]
 fn each_damage_is_an_error_that_names_file_and_place() {
-    let whole = glb(&good(), &bin());
+    let whole = glb::of_json(&good(), &bin());
     let huge = 1u64 << 31;
     let zeros = |count: u64| json!({ "componentType": 5126, "type": "VEC3", "count": count });
     let instances = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 7 } } });
@@ -132,7 +69,7 @@ fn each_damage_is_an_error_that_names_file_and_place() {
         ("truncated JSON", whole[..100].to_vec(), "GLB header"),
         (
             "JSON cut, lengths right",
-            glb_of_text(&serde_json::to_vec(&good()).unwrap()[..200], &bin()),
+            glb::of_text(&serde_json::to_vec(&good()).unwrap()[..200], &bin()),
             "JSON line",
         ),
         ("GLB version 1", [&whole[..4], &[1], &whole[5..]].concat(), "GLB header"),
@@ -299,7 +236,7 @@ fn many_instances_stop_at_the_limit() {
         .push(json!({ "componentType": 5126, "type": "VEC3", "count": 3_000_000 }));
     json["nodes"][1]["extensions"] =
         json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 2 } } });
-    let error = read(&glb(&json, &bin())).unwrap_err();
+    let error = read(&glb::of_json(&json, &bin())).unwrap_err();
     assert!(error.to_string().contains("--max-memory"), "{error}");
     assert_eq!(error.element.as_deref(), Some("IfcWall:W"));
 }
@@ -322,19 +259,6 @@ fn json_that_swells_is_refused_before_it_is_parsed() {
     }
 }
 
-/// A small generator of pseudo-random numbers (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % bound as u64) as usize
-    }
-}
-
 /// What a model promises (see `Model`), whatever the file.
 fn check(model: &Model) {
     assert!(model.triangle_count() > 0);
@@ -350,8 +274,8 @@ fn check(model: &Model) {
 
 #[test]
 fn random_damage_to_bytes_never_panics() {
-    let good = glb(&good(), &bin());
-    let mut random = Random(1);
+    let good = glb::of_json(&good(), &bin());
+    let mut random = Random::new(1);
     let mut read_well = 0;
     for _ in 0..20_000 {
         let mut bytes = good.clone();
@@ -396,7 +320,7 @@ fn random_damage_to_values_never_panics() {
     ];
     let mut pointers = Vec::new();
     collect(&good(), String::new(), &mut pointers);
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut read_well = 0;
     for _ in 0..20_000 {
         let mut json = good();
@@ -406,7 +330,7 @@ fn random_damage_to_values_never_panics() {
                 *value = numbers[random.below(numbers.len())].clone();
             }
         }
-        match read(&glb(&json, &bin())) {
+        match read(&glb::of_json(&json, &bin())) {
             Ok(model) => {
                 read_well += 1;
                 check(&model);

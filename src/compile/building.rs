@@ -1,6 +1,7 @@
 //! The building section: elements and rooms.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use enfilade_importers::{Model, Role, Semantic};
 
@@ -32,13 +33,19 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
         }
         *count += 1;
     }
+    // The volumes of an element stand side by side.
+    let mut volumes = vec![0..0; model.elements.len()];
+    for (i, volume) in tables.volumes.iter().enumerate() {
+        let range = &mut volumes[volume.element as usize];
+        *range = if range.start == range.end { i } else { range.start }..i + 1;
+    }
     for (i, element) in model.elements.iter().enumerate() {
         let id = tables.text(&element.id);
         let name = if element.name == element.id { id } else { tables.text(&element.name) };
         let path = if element.path == element.id { id } else { tables.text(&element.path) };
         let class = intern(tables, element.class.as_deref());
         let storey = intern(tables, element.storey.as_deref());
-        let role = parts[i].components.first().map_or(Role::Detail, |c| c.1);
+        let role = parts[i].pieces.first().map_or(Role::Detail, |piece| piece.role);
         tables.elements.push(ElementRecord {
             id,
             name,
@@ -55,21 +62,21 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
             reserved: 0,
         });
         if matches!(element.semantic, Semantic::Room | Semantic::Stairwell) {
-            add_room(i as u32, &parts[i], tables);
+            add_room(i as u32, &parts[i], volumes[i].clone(), tables);
         }
     }
 }
 
-fn add_room(element: u32, part: &Part, tables: &mut Tables) {
+fn add_room(element: u32, part: &Part, volumes: Range<usize>, tables: &mut Tables) {
     let room = tables.rooms.len() as u32;
-    let mut bounds = part.components[0].0.bounds;
-    for (component, ..) in &part.components {
-        let [lo, hi] = component.bounds;
+    let mut bounds = part.pieces[0].component.bounds;
+    for piece in &part.pieces {
+        let [lo, hi] = piece.component.bounds;
         bounds[0] = [0, 1, 2].map(|axis| bounds[0][axis].min(lo[axis]));
         bounds[1] = [0, 1, 2].map(|axis| bounds[1][axis].max(hi[axis]));
     }
     let (mut volume, mut floor_area, mut closed) = (0.0, 0.0, false);
-    for record in tables.volumes.iter_mut().filter(|v| v.element == element) {
+    for record in &mut tables.volumes[volumes] {
         record.room = room;
         closed = true;
         volume += record.measure;

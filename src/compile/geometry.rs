@@ -7,11 +7,19 @@ use crate::components::{Component, components};
 use crate::format::Tables;
 use crate::format::records::{TriangleRecord, VolumeRecord};
 use crate::roles::{asked_role, component_role};
+use crate::shells::{Inside, Shell, shells};
 use crate::trace::NONE;
 
-/// The components of one element, each with its role and, if it is closed and carves or labels, turned outward.
+/// The components of one element.
 pub(super) struct Part {
-    pub(super) components: Vec<(Component, Role, Option<Outward>)>,
+    pub(super) pieces: Vec<Piece>,
+}
+
+/// A component, its role, and, if it is closed and carves or labels, its shells, turned outward.
+pub(super) struct Piece {
+    pub(super) component: Component,
+    pub(super) role: Role,
+    shells: Vec<(Shell, Outward)>,
 }
 
 /// What [`gather`] did.
@@ -36,8 +44,8 @@ pub(super) struct Gathered {
 impl Gathered {
     /// Counts components by role.
     pub(super) fn count_components(&mut self, parts: &[Part]) {
-        for (_, role, _) in parts.iter().flat_map(|p| &p.components) {
-            self.solids += u64::from(*role == Role::Solid);
+        for piece in parts.iter().flat_map(|p| &p.pieces) {
+            self.solids += u64::from(piece.role == Role::Solid);
         }
     }
 }
@@ -55,13 +63,18 @@ pub(super) fn split(model: &Model, untagged: Untagged) -> Vec<Part> {
 
 fn part(element: &Element, untagged: Untagged) -> Part {
     let asked = asked_role(element, untagged);
-    let components = components(&element.mesh).into_iter().map(|component| {
+    let pieces = components(&element.mesh).into_iter().map(|component| {
         let role = component_role(asked, &component);
-        let volume = component.closed && matches!(role, Role::Solid | Role::Air);
-        let outward = volume.then(|| turn_outward(&element.mesh, &component));
-        (component, role, outward)
+        let mut turned = Vec::new();
+        if component.closed && matches!(role, Role::Solid | Role::Air) {
+            for shell in shells(&element.mesh, &component) {
+                let outward = turn_outward(&element.mesh, &shell, component.bounds);
+                turned.push((shell, outward));
+            }
+        }
+        Piece { component, role, shells: turned }
     });
-    Part { components: components.collect() }
+    Part { pieces: pieces.collect() }
 }
 
 /// Fills the sections `vertices`, `triangles` and `volumes`. Rooms are not known yet.
@@ -71,45 +84,30 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
     for labels in [false, true] {
         for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {
             let before = tables.triangles.len();
-            index[..element.mesh.positions.len()].fill(NONE);
-            let mut volume = NewVolume::default();
-            // Closed components first: together they bound the element's volume.
-            for closed in [true, false] {
-                for (component, role, outward) in &part.components {
-                    if !labels && !closed {
-                        gathered.doubled_triangles += u64::from(component.doubled);
-                    }
-                    if *role == Role::Ignore {
-                        gathered.ignored_triangles +=
-                            if labels || closed { 0 } else { component.triangles.len() as u64 };
-                        continue;
-                    }
-                    if (*role == Role::Air) != labels || outward.is_some() != closed {
-                        continue;
-                    }
-                    if *role == Role::Detail {
-                        let solid = matches!(element.semantic.role(), Some(Role::Solid));
-                        gathered.open_solids += u64::from(solid);
-                    }
-                    let index = &mut index;
-                    let id = if closed { tables.volumes.len() as u32 } else { NONE };
-                    add(element, e as u32, component, outward.as_ref(), id, index, tables);
-                    if let Some(outward) = outward {
-                        gathered.turned += outward.turned;
-                        volume.add(component, *role, outward);
-                    }
-                }
-                if closed && volume.parts > 0 {
-                    if volume.measure < 0.0 {
-                        // All of it inside out: from here on triangles look out of the matter, also into cavities.
-                        tables.triangles[before..].iter_mut().for_each(|t| t.vertices.swap(1, 2));
-                        gathered.turned += (tables.triangles.len() - before) as u64;
-                    }
-                    tables.volumes.push(volume.record(
-                        e as u32,
-                        before as u32,
-                        tables.triangles.len() as u32,
-                    ));
+            if !labels {
+                let doubled = part.pieces.iter().map(|piece| u64::from(piece.component.doubled));
+                gathered.doubled_triangles += doubled.sum::<u64>();
+            }
+            let mut writer = Writer { element, number: e as u32, index: &mut index, tables };
+            writer.index[..element.mesh.positions.len()].fill(NONE);
+            let pieces = || part.pieces.iter().filter(|piece| (piece.role == Role::Air) == labels);
+            // What is closed first. The shells that agree bound a volume together, each other one by itself.
+            let shells = || pieces().flat_map(|p| p.shells.iter().map(|s| (p.role, s)));
+            let (together, others): (Vec<_>, Vec<_>) =
+                shells().partition(|(_, (shell, _))| shell.inside == Inside::Together);
+            let volumes = [together].into_iter().chain(others.into_iter().map(|shell| vec![shell]));
+            for volume in volumes.filter(|shells| !shells.is_empty()) {
+                gathered.turned += writer.volume(&volume);
+            }
+            for piece in pieces() {
+                let count = piece.component.triangles.len() as u64;
+                if piece.role == Role::Ignore {
+                    gathered.ignored_triangles += count;
+                } else if piece.shells.is_empty() {
+                    let is_solid = matches!(element.semantic.role(), Some(Role::Solid));
+                    gathered.open_solids += u64::from(is_solid && piece.role == Role::Detail);
+                    let all = piece.component.triangles.iter();
+                    writer.triangles(all.map(|&t| (t, element.mesh.triangles[t as usize])), NONE);
                 }
             }
             if labels {
@@ -123,65 +121,66 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
     gathered
 }
 
-/// The volume that the closed components of an element bound together: a cavity looks inward, and takes off.
-#[derive(Default)]
-struct NewVolume {
-    parts: u32,
-    bounds: [[f64; 3]; 2],
-    measure: f64,
-    role: u32,
-    by_parity: bool,
+/// Writes one element into the tables.
+struct Writer<'a> {
+    element: &'a Element,
+    number: u32,
+    /// The vertices written of the element's, by their index in its mesh.
+    index: &'a mut [u32],
+    tables: &'a mut Tables,
 }
 
-impl NewVolume {
-    fn add(&mut self, component: &Component, role: Role, outward: &Outward) {
-        if self.parts == 0 {
-            self.bounds = component.bounds;
+impl Writer<'_> {
+    /// The volume that these shells, of one role, bound together: a cavity looks inward, and takes off. Returns how many
+    /// of their triangles were turned.
+    fn volume(&mut self, shells: &[(Role, &(Shell, Outward))]) -> u64 {
+        let first = self.tables.triangles.len();
+        let id = self.tables.volumes.len() as u32;
+        let (mut turned, mut measure) = (0, 0.0);
+        for (_, (shell, outward)) in shells {
+            self.triangles(shell.triangles.iter().copied().zip(outward.triangles.iter().copied()), id);
+            turned += outward.turned;
+            measure += outward.volume;
         }
-        self.parts += 1;
-        for axis in 0..3 {
-            self.bounds[0][axis] = self.bounds[0][axis].min(component.bounds[0][axis]);
-            self.bounds[1][axis] = self.bounds[1][axis].max(component.bounds[1][axis]);
+        let triangles = &mut self.tables.triangles[first..];
+        if measure < 0.0 {
+            // All of it inside out: from here on triangles look out of the matter, also into cavities.
+            triangles.iter_mut().for_each(|t| t.vertices.swap(1, 2));
+            turned += triangles.len() as u64;
         }
-        self.measure += outward.volume;
-        self.role = role as u32;
-        self.by_parity |= !outward.by_winding;
-    }
-
-    fn record(&self, element: u32, first_triangle: u32, end: u32) -> VolumeRecord {
-        VolumeRecord {
-            bounds: self.bounds,
-            measure: self.measure.abs(),
-            first_triangle,
-            triangle_count: end - first_triangle,
-            element,
-            role: self.role,
-            by_winding: u32::from(!self.by_parity),
-            room: NONE,
-        }
-    }
-}
-
-fn add(
-    element: &Element,
-    e: u32,
-    component: &Component,
-    outward: Option<&Outward>,
-    volume: u32,
-    index: &mut [u32],
-    tables: &mut Tables,
-) {
-    for (i, &t) in component.triangles.iter().enumerate() {
-        let corners = outward.map_or(element.mesh.triangles[t as usize], |o| o.triangles[i]);
-        let vertices = corners.map(|v| {
-            let slot = &mut index[v as usize];
-            if *slot == NONE {
-                *slot = tables.vertices.len() as u32;
-                tables.vertices.push(element.mesh.positions[v as usize]);
-            }
-            *slot
+        let mut corners = triangles.iter().flat_map(|t| t.vertices).map(|v| self.tables.vertices[v as usize]);
+        let start = corners.next().unwrap_or_default();
+        let bounds = corners.fold([start; 2], |[lo, hi], p| {
+            [[0, 1, 2].map(|axis| lo[axis].min(p[axis])), [0, 1, 2].map(|axis| hi[axis].max(p[axis]))]
         });
-        let material = element.mesh.materials[t as usize].0;
-        tables.triangles.push(TriangleRecord { vertices, element: e, material, volume });
+        let inside = shells.first().map_or(Inside::Together, |(_, (shell, _))| shell.inside);
+        self.tables.volumes.push(VolumeRecord {
+            bounds,
+            measure: measure.abs(),
+            first_triangle: first as u32,
+            triangle_count: (self.tables.triangles.len() - first) as u32,
+            element: self.number,
+            role: shells.first().map_or(Role::Detail, |shell| shell.0) as u32,
+            by_winding: u32::from(inside != Inside::ByParity),
+            room: NONE,
+        });
+        turned
+    }
+
+    /// Triangles, each with its index in the mesh and its corners there.
+    fn triangles(&mut self, triangles: impl Iterator<Item = (u32, [u32; 3])>, volume: u32) {
+        let mesh = &self.element.mesh;
+        for (t, corners) in triangles {
+            let vertices = corners.map(|v| {
+                let slot = &mut self.index[v as usize];
+                if *slot == NONE {
+                    *slot = self.tables.vertices.len() as u32;
+                    self.tables.vertices.push(mesh.positions[v as usize]);
+                }
+                *slot
+            });
+            let material = mesh.materials[t as usize].0;
+            self.tables.triangles.push(TriangleRecord { vertices, element: self.number, material, volume });
+        }
     }
 }

@@ -19,7 +19,7 @@ use enfilade_importers::{
 use crate::format::Tables;
 use crate::format::records::{
     BlockRecord, CameraRecord, CellRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, Traits,
-    TriangleRecord,
+    TriangleRecord, VolumeRecord,
 };
 use crate::scene::Scene;
 use crate::trace::NONE;
@@ -109,7 +109,8 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
     }
     run.budget.take_items(
         count,
-        3 * 24 + size_of::<TriangleRecord>() + 3 * 16,
+        // A volume has at least four triangles.
+        3 * 24 + size_of::<TriangleRecord>() + 3 * 16 + size_of::<VolumeRecord>() / 4,
         "the triangles of the scene",
     )?;
 

@@ -1,106 +1,66 @@
-//! Turning the triangles of closed components that disagree about the outside.
+//! Turning the triangles of shells that disagree about the outside.
 //!
-//! Real exports hold closed meshes whose triangles are wound both ways. Across an edge of exactly two triangles the one
-//! tells the other; patches between edges of four and more are turned one by one, by what lies on either side of one of
-//! their triangles. Components that agree are left as they are: one that looks inward may be a cavity of another.
-
-use std::collections::BTreeMap;
+//! Real exports hold closed meshes whose triangles are wound both ways. [`crate::shells`] tells which agree after turning;
+//! here the patches are turned outward: a whole shell by its volume, one of several patches, between edges of four and
+//! more triangles, by what lies on either side of one of its triangles. Shells that agree are left as they are: one that
+//! looks inward may be a cavity of another.
 
 use enfilade_importers::Mesh;
 use glam::DVec3;
 
-use crate::components::{Component, Orientation};
+use crate::shells::{Inside, Shell};
 use crate::trace::crossings;
 
-/// What was found out about a closed component.
+/// A shell, turned outward.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Outward {
-    /// Its triangles, turned where they disagreed, as corners in the mesh's positions, in the order of the component.
+    /// Its triangles, turned where they disagreed, as corners in the mesh's positions, in the order of the shell.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// How many were turned.
     pub(crate) turned: u64,
-    /// Whether the winding number decides about inside and outside (else the parity of crossings does).
-    pub(crate) by_winding: bool,
     /// Volume, m3: negative if the triangles look inward.
     pub(crate) volume: f64,
 }
 
-/// Components with more patches than this are not turned: every patch costs a look at all triangles.
+/// Shells with more patches than this are not turned: every patch costs a look at all triangles.
 const MOST_PATCHES: usize = 512;
 
-/// The triangles of a closed component, made to agree as far as that can be told.
-pub(crate) fn turn_outward(mesh: &Mesh, component: &Component) -> Outward {
-    let mut triangles: Vec<[u32; 3]> =
-        component.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
-    let mut turned = 0;
-    let mut by_winding = true;
-    if component.orientation == Orientation::Mixed {
-        let flips = flips(mesh, &triangles, component);
-        for (triangle, flip) in triangles.iter_mut().zip(&flips) {
-            if *flip {
-                triangle.swap(1, 2);
-                turned += 1;
+/// The triangles of a shell, made to look outward as far as that can be told.
+pub(crate) fn turn_outward(mesh: &Mesh, shell: &Shell, bounds: [[f64; 3]; 2]) -> Outward {
+    let mut flip = shell.turned.clone();
+    match shell.inside {
+        Inside::Together => {}
+        Inside::ByWinding => {
+            let triangles: Vec<[u32; 3]> = shell.corners(mesh).collect();
+            if volume(mesh, &triangles, bounds[0]) < 0.0 {
+                flip.iter_mut().for_each(|flip| *flip = !*flip);
             }
         }
-        by_winding = balanced(&triangles);
-    }
-    let volume = volume(mesh, &triangles, component.bounds[0]);
-    Outward { triangles, turned, by_winding, volume }
-}
-
-/// Which triangles to turn.
-fn flips(mesh: &Mesh, triangles: &[[u32; 3]], component: &Component) -> Vec<bool> {
-    let mut edges: BTreeMap<(u32, u32), Vec<(u32, bool)>> = BTreeMap::new();
-    for (t, &[a, b, c]) in triangles.iter().enumerate() {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            edges.entry((from.min(to), from.max(to))).or_default().push((t as u32, from < to));
-        }
-    }
-    let mut flip = vec![None; triangles.len()];
-    let mut patches: Vec<Vec<u32>> = Vec::new();
-    for seed in 0..triangles.len() {
-        if flip[seed].is_some() {
-            continue;
-        }
-        flip[seed] = Some(false);
-        let mut patch = vec![seed as u32];
-        let mut next = 0;
-        while next < patch.len() {
-            let t = patch[next];
-            next += 1;
-            let [a, b, c] = triangles[t as usize];
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let [one, two] = edges[&(from.min(to), from.max(to))][..] else { continue };
-                let other = if one.0 == t { two.0 } else { one.0 };
-                if flip[other as usize].is_none() {
-                    // Neighbours agree if they run along their edge in opposite directions.
-                    let same_direction = one.1 == two.1;
-                    flip[other as usize] = Some(flip[t as usize].unwrap_or(false) != same_direction);
-                    patch.push(other);
+        Inside::ByParity if shell.patches.len() <= MOST_PATCHES => {
+            let given: Vec<[u32; 3]> = shell.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
+            for patch in &shell.patches {
+                if faces_inward(mesh, &given, patch, &flip, bounds) {
+                    patch.iter().for_each(|&t| flip[t as usize] ^= true);
                 }
             }
         }
-        patches.push(patch);
+        Inside::ByParity => {}
     }
-    let mut flip: Vec<bool> = flip.into_iter().map(|f| f.unwrap_or(false)).collect();
-    if patches.len() <= MOST_PATCHES {
-        for patch in &patches {
-            if faces_inward(mesh, triangles, patch, &flip, component) {
-                patch.iter().for_each(|&t| flip[t as usize] ^= true);
-            }
-        }
-    }
-    flip
+    let turned = flip.iter().filter(|&&flip| flip).count() as u64;
+    let shell = Shell { turned: flip, ..shell.clone() };
+    let triangles: Vec<[u32; 3]> = shell.corners(mesh).collect();
+    let volume = volume(mesh, &triangles, bounds[0]);
+    Outward { triangles, turned, volume }
 }
 
-/// Whether the patch's triangles, flipped so far as `flip` says, look into the component: by the parity of crossings
+/// Whether the patch's triangles, flipped so far as `flip` says, look inward: by the parity of crossings
 /// on both sides of its largest triangle.
 fn faces_inward(
     mesh: &Mesh,
     triangles: &[[u32; 3]],
     patch: &[u32],
     flip: &[bool],
-    component: &Component,
+    bounds: [[f64; 3]; 2],
 ) -> bool {
     let corners = |t: u32| triangles[t as usize].map(|v| DVec3::from(mesh.positions[v as usize]));
     let normal = |t: u32| {
@@ -116,7 +76,7 @@ fn faces_inward(
     }
     let [a, b, c] = corners(largest);
     let middle = (a + b + c) / 3.0;
-    let size = (DVec3::from(component.bounds[1]) - DVec3::from(component.bounds[0])).length();
+    let size = (DVec3::from(bounds[1]) - DVec3::from(bounds[0])).length();
     let out = normal(largest).normalize_or_zero() * if flip[largest as usize] { -1.0 } else { 1.0 };
     let is_inside = |p: DVec3| {
         let all = triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize]));
@@ -125,17 +85,6 @@ fn faces_inward(
     // Far enough that rounding does not matter, near enough that thin parts are not stepped through.
     let step = (size * 1e-7).max(1e-6);
     is_inside(middle + out * step) && !is_inside(middle - out * step)
-}
-
-/// Whether every edge is used as often in one direction as in the other.
-fn balanced(triangles: &[[u32; 3]]) -> bool {
-    let mut sums: BTreeMap<(u32, u32), i32> = BTreeMap::new();
-    for &[a, b, c] in triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            *sums.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
-        }
-    }
-    sums.values().all(|&sum| sum == 0)
 }
 
 fn volume(mesh: &Mesh, triangles: &[[u32; 3]], origin: [f64; 3]) -> f64 {
@@ -154,6 +103,7 @@ fn volume(mesh: &Mesh, triangles: &[[u32; 3]], origin: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::components::components;
+    use crate::shells::shells;
     use enfilade_importers::MaterialId;
 
     fn cube() -> Mesh {
@@ -176,8 +126,9 @@ mod tests {
                 }
             }
             let component = &components(&mesh)[0];
-            let outward = turn_outward(&mesh, component);
-            assert!(outward.by_winding);
+            let shells = shells(&mesh, component);
+            assert_eq!(shells.len(), 1);
+            let outward = turn_outward(&mesh, &shells[0], component.bounds);
             if mixture == (1 << 12) - 1 {
                 // All inward: they agree.
                 assert_eq!((outward.turned, outward.volume), (0, -1.0));

@@ -234,7 +234,8 @@ pub struct TriangleRecord {
     pub volume: u32,
 }
 
-/// Section `volumes`: what the closed components of an element bound together, that carves (solids) or labels air.
+/// Section `volumes`: what closed shells of an element bound, that carves (solids) or labels air. All shells whose
+/// triangles agree about the outside are one volume; each other shell is one by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct VolumeRecord {
@@ -250,7 +251,7 @@ pub struct VolumeRecord {
     pub element: u32,
     /// Number of its role: solid or air.
     pub role: u32,
-    /// 1 if a point's winding number decides (all triangles outward), 0 if the parity of crossings does.
+    /// 1 if a point's winding number decides (triangles look out of the matter), 0 if the parity of crossings does.
     pub by_winding: u32,
     /// Its room, or none.
     pub room: u32,

@@ -138,7 +138,16 @@ impl<'a> Drawing<'a> {
     }
 
     pub(super) fn slab_without_extent(&mut self, name: &str, z: i32) -> u32 {
-        let slab = self.draft.element(Kind::Solid, Semantic::Ground, "IfcSlab", name);
+        self.slab_of(name, Semantic::Ground, if z == 0 { "BASESLAB" } else { "FLOOR" })
+    }
+
+    /// The slab over an uppermost storey, without extent.
+    pub(super) fn roof_slab(&mut self, name: &str) -> u32 {
+        self.slab_of(name, Semantic::Roof, "ROOF")
+    }
+
+    fn slab_of(&mut self, name: &str, semantic: Semantic, predefined_type: &str) -> u32 {
+        let slab = self.draft.element(Kind::Solid, semantic, "IfcSlab", name);
         let look = Look {
             core: palette::CONCRETE,
             outside: palette::CONCRETE,
@@ -146,7 +155,7 @@ impl<'a> Drawing<'a> {
             ..Look::default()
         };
         self.draft.look(slab, look);
-        self.draft.extra(slab, "predefined_type", if z == 0 { "BASESLAB" } else { "FLOOR" });
+        self.draft.extra(slab, "predefined_type", predefined_type);
         slab
     }
 

@@ -69,7 +69,7 @@ impl Drawing<'_> {
             self.draft.in_world(false);
         }
         let top = storeys as i32 * STOREY * MODULE;
-        let slab = self.slab_without_extent(&format!("{} foyer roof slab", wing.name), top);
+        let slab = self.roof_slab(&format!("{} foyer roof slab", wing.name));
         let roof = self.roof(&format!("{} foyer roof", wing.name));
         // As high as the parapets around: else these would touch in a line, between air on both sides.
         let above = [([top - SLAB * MODULE, top], slab), ([top, top + PARAPET * MODULE], roof)];

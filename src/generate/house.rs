@@ -265,8 +265,8 @@ fn shell(draft: &mut Draft) {
     let footprint = [0.0, 0.0, SIZE[0], SIZE[1]];
     slab("Floor slab", "BASESLAB", footprint, [BOTTOM, 0.0]);
     slab("Ceiling slab", "FLOOR", footprint, [CEILING, ROOF[0]]);
-    slab("Terrace", "LANDING", [-0.5, -2.3, 6.6, 0.0], [BOTTOM, TERRACE]);
-    slab("Entrance step", "LANDING", [3.7, 10.0, 5.7, 11.2], [BOTTOM, TERRACE]);
+    slab("Terrace", "PAVING", [-0.5, -2.3, 6.6, 0.0], [BOTTOM, TERRACE]);
+    slab("Entrance step", "PAVING", [3.7, 10.0, 5.7, 11.2], [BOTTOM, TERRACE]);
 
     let roof = draft.element(Kind::Solid, Semantic::Roof, "IfcRoof", "Flat roof");
     let look =

@@ -7,11 +7,12 @@ use super::drawing::draw;
 use super::offices::OfficeOptions;
 use super::uses::Use;
 use super::wing::{Bay, End, Facade, Wing};
+use crate::splitmix::SplitMix64;
 
 /// A building of one to four storeys that follows from the options' seed: of one wing or more, with rooms of many sizes
 /// and shapes, perhaps a round end, an attic, a wing turned by some angle.
 pub fn random(options: &OfficeOptions) -> Building {
-    let mut dice = Dice(options.seed ^ 0x656E_6669_6C61_6465);
+    let mut dice = Dice(SplitMix64::new(options.seed ^ 0x656E_6669_6C61_6465));
     let storeys = [1, 1, 1, 2, 2, 3, 4][dice.below(7)];
     let has_hall = storeys > 1 && dice.one_in(2);
     let has_attic = dice.one_in(3);
@@ -98,20 +99,12 @@ const OFFICES: [Use; 10] = [
 /// What rooms of homes are for.
 const HOMES: [Use; 6] = [Use::Living, Use::Kitchen, Use::Bedroom, Use::Bedroom, Use::Bath, Use::Storage];
 
-/// SplitMix64.
-struct Dice(u64);
+/// What is drawn for a building.
+struct Dice(SplitMix64);
 
 impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
     fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
+        self.0.below(end as u64) as usize
     }
 
     /// From `low` to `high`, both included.

@@ -3,7 +3,7 @@
 use crate::importers::Semantic;
 
 use super::building::Kind;
-use super::complex::{MODULE, PARAPET, PlacedWing};
+use super::complex::{MODULE, PARAPET, PlacedWing, SLAB};
 use super::drawing::{Drawing, Floor, Furnished, upright};
 use super::holes::Filling;
 use super::lattice::Rect;
@@ -16,7 +16,8 @@ impl Drawing<'_> {
     /// The slab over the uppermost storey, gravel, and a parapet.
     pub(super) fn flat_roof(&mut self, placed: &PlacedWing, footprint: Rect) {
         let top = placed.top();
-        self.slab(&format!("{} roof slab", placed.name), footprint, top);
+        let slab = self.roof_slab(&format!("{} roof slab", placed.name));
+        self.draft.paint(slab, upright(footprint, [top - SLAB * MODULE, top]));
         let roof = self.roof(&format!("{} roof", placed.name));
         self.draft.paint(roof, upright(footprint, [top, top + MODULE]));
         let parapet = self.wall(&format!("{} parapet", placed.name), true);

@@ -3,7 +3,7 @@
 use crate::importers::Semantic;
 
 use super::building::Kind;
-use super::complex::{Apse, CLEAR, MODULE, STOREY};
+use super::complex::{Apse, CLEAR, MODULE, SLAB, STOREY};
 use super::drawing::{Drawing, Furnished, storey_name, upright};
 use super::lattice::Rect;
 use super::palette::{self, Look};
@@ -52,7 +52,8 @@ impl Drawing<'_> {
             self.draft.in_world(false);
         }
         let top = first.top();
-        self.slab("Apse roof slab", all, top);
+        let slab = self.roof_slab("Apse roof slab");
+        self.draft.paint(slab, upright(all, [top - SLAB * MODULE, top]));
         let roof = self.roof("Apse roof");
         self.draft.paint(roof, upright(all, [top, top + MODULE]));
     }

@@ -5,26 +5,14 @@ use std::collections::BTreeMap;
 use super::lattice::{Point, metres, point_metres};
 use super::*;
 use crate::importers::Role;
+use crate::splitmix::SplitMix64;
 
-/// Random numbers that are the same everywhere (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A point in the box, off the grid on all axes.
-    fn point(&mut self, [lo, hi]: [Point; 2]) -> [f64; 3] {
-        [0, 1, 2].map(|i| {
-            let span = (hi[i] - lo[i]) as u64;
-            metres(lo[i]) + ((self.next() % span) as f64 + 0.37) / f64::from(lattice::PER_METRE)
-        })
-    }
+/// A random point in the box, off the grid on all axes.
+fn point_in(random: &mut SplitMix64, [lo, hi]: [Point; 2]) -> [f64; 3] {
+    [0, 1, 2].map(|i| {
+        let span = (hi[i] - lo[i]) as u64;
+        metres(lo[i]) + (random.below(span) as f64 + 0.37) / f64::from(lattice::PER_METRE)
+    })
 }
 
 /// An element's triangles in metres, for tests that share nothing with how the element was made.
@@ -147,11 +135,11 @@ fn volumes_fill_the_hull_exactly() {
 fn every_point_lies_in_one_volume() {
     let building = house(&HouseOptions::default());
     let volumes = shapes(&building, is_volume);
-    let mut random = Random(7);
+    let mut random = SplitMix64::new(7);
     // Half of the points in and near the house, where the volumes are small.
     let near = [[-600, -2600, -300], [12900, 11500, 4000]];
     for i in 0..4000 {
-        let p = random.point(if i % 2 == 0 { building.hull } else { near });
+        let p = point_in(&mut random, if i % 2 == 0 { building.hull } else { near });
         let inside: Vec<_> =
             volumes.iter().filter(|(_, shape)| shape.holds(p)).map(|(e, _)| &e.name).collect();
         assert_eq!(inside.len(), 1, "{p:?} lies in {inside:?}");
@@ -163,11 +151,11 @@ fn details_stand_in_air_and_apart() {
     for building in all_houses() {
         let solids = shapes(&building, |e| e.kind == Kind::Solid);
         let details = shapes(&building, |e| !is_volume(e));
-        let mut random = Random(11);
+        let mut random = SplitMix64::new(11);
         for (element, shape) in &details {
             let mut inside = 0;
             for _ in 0..300 {
-                let p = random.point(shape.bounds);
+                let p = point_in(&mut random, shape.bounds);
                 if !shape.holds(p) {
                     continue;
                 }

@@ -9,6 +9,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::importers::Semantic;
+use crate::splitmix::SplitMix64;
 
 use super::building::{Building, Element, Kind};
 use super::lattice::{PER_METRE, Point, metres};
@@ -180,7 +181,7 @@ impl Building {
     }
 
     fn points(&self) -> Vec<PointTruth> {
-        let mut random = Random(SEED_OF_POINTS);
+        let mut random = SplitMix64::new(SEED_OF_POINTS);
         let mut found = Vec::new();
         let mut add = |doubled: [i64; 3], label: u32| {
             let point = doubled.map(|c| c as f64 / (2.0 * f64::from(PER_METRE)));
@@ -188,7 +189,7 @@ impl Building {
         };
         let finder = Finder::new(&self.space);
         for _ in 0..POINTS {
-            let point = random.odd_point(self.hull);
+            let point = odd_point(&mut random, self.hull);
             if let Some(label) = finder.label(point) {
                 add(point, label);
             }
@@ -199,7 +200,7 @@ impl Building {
             };
             let bounds = [bound(i32::min), bound(i32::max)];
             // A room fills a good part of its bounds; a few tries in vain do not matter.
-            let tries = (0..40).map(|_| random.odd_point(bounds));
+            let tries = (0..40).map(|_| odd_point(&mut random, bounds));
             let inside = tries.filter(|&point| finder.label(point) == Some(index as u32));
             inside.take(POINTS_IN_ROOM).for_each(|point| add(point, index as u32));
         }
@@ -355,23 +356,10 @@ impl Finder<'_> {
 
 const SEED_OF_POINTS: u64 = 0x7275_7468;
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A point in the box in doubled units, odd on all axes.
-    fn odd_point(&mut self, [lo, hi]: [Point; 2]) -> [i64; 3] {
-        [0, 1, 2].map(|axis| {
-            let span = (i64::from(hi[axis]) - i64::from(lo[axis])).max(1) as u64;
-            2 * (i64::from(lo[axis]) + (self.next() % span) as i64) + 1
-        })
-    }
+/// A random point in the box in doubled units, odd on all axes.
+fn odd_point(random: &mut SplitMix64, [lo, hi]: [Point; 2]) -> [i64; 3] {
+    [0, 1, 2].map(|axis| {
+        let span = (i64::from(hi[axis]) - i64::from(lo[axis])).max(1) as u64;
+        2 * (i64::from(lo[axis]) + random.below(span) as i64) + 1
+    })
 }

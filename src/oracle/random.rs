@@ -1,38 +1,31 @@
 //! Random numbers by index: the same for any number of threads.
 
-/// SplitMix64 (Steele, Lea, Flood 2014), started from a seed and the index of what the numbers are for.
+use crate::splitmix::SplitMix64;
+
+/// Started from a seed and the index of what the numbers are for.
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     /// The numbers of thing `index` of stream `stream`.
     pub(crate) fn new(seed: u64, stream: u64, index: u64) -> Random {
-        let mut random = Random(seed);
-        random.0 = random.next() ^ stream.wrapping_mul(0xd6e8_feb8_6659_fd93);
-        random.0 = random.next() ^ index;
-        random.0 = random.next();
-        random
-    }
-
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        let bits = |seed: u64| SplitMix64::new(seed).bits();
+        let of_stream = bits(seed) ^ stream.wrapping_mul(0xd6e8_feb8_6659_fd93);
+        Random(SplitMix64::new(bits(bits(of_stream) ^ index)))
     }
 
     /// In 0..1.
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * 2f64.powi(-53)
+        self.0.unit()
     }
 
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + self.unit() * (high - low)
+        self.0.between(low, high)
     }
 
     /// In `0..count`; 0 if `count` is 0.
     pub(crate) fn below(&mut self, count: usize) -> usize {
-        ((u128::from(self.next()) * count as u128) >> 64) as usize
+        ((u128::from(self.0.bits()) * count as u128) >> 64) as usize
     }
 
     /// Unit length, all directions alike.

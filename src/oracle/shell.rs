@@ -1,23 +1,14 @@
-//! The closed shells of a mesh, and what lies inside them.
+//! The closed shells of a mesh, and what lies inside them, as [`crate::shells`] defines it.
 //!
-//! A *shell* is a connected component (over shared vertices) in which every edge has an even number of triangles,
-//! where triangles on the same corners and of the same side count once. It
-//! is *balanced* if every edge is passed as often one way as the other: then it has a whole winding number
-//! everywhere, found by adding up the solid angles of its triangles (Van Oosterom and Strackee, 1983). Other shells
-//! have an inside by parity only: how often a line from the point to infinity pierces them, by the majority of three
-//! oblique lines that meet no edge.
-//!
-//! A point is inside a [`Body`], the closed shells of one element, if the windings of all balanced shells, and one for
-//! each other shell whose inside it lies in, do not add up to zero. So a shell that is inside out, as a whole, makes no
-//! difference; an inverted shell within another is a cavity; doubled shells, and shells that reach into each other, are
-//! as solid as single ones.
-
-use std::collections::{HashMap, HashSet};
+//! Winding numbers are found by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983); the parity by how
+//! often a line from the point to infinity pierces the shell, by the majority of three oblique lines that meet no edge.
 
 use enfilade_importers::Mesh;
 
 use super::triangle::{Corners, Line, Size, closest_point, pierce};
 use super::vector::{Bounds, cross, distance, dot, length, sub};
+use crate::components::components;
+use crate::shells::{Inside, shells};
 use crate::trace::Ray;
 
 /// Directions for the parity, oblique to all that is built.
@@ -36,12 +27,12 @@ const OBLIQUE: [[f64; 3]; 9] = [
 /// Lines that must agree by majority.
 const VOTES: u32 = 3;
 
-/// One closed component of a mesh.
+/// One shell of a mesh, turned as [`crate::shells`] has it.
 #[derive(Clone, Debug)]
 pub(crate) struct Shell {
     triangles: Vec<Corners>,
     bounds: Bounds,
-    balanced: bool,
+    inside: Inside,
 }
 
 /// The closed shells of one element.
@@ -54,7 +45,14 @@ pub(crate) struct Body {
 impl Body {
     /// `None` if no component is closed.
     pub(crate) fn of(mesh: &Mesh) -> Option<Body> {
-        let shells = closed_components(mesh);
+        let closed: Vec<_> = components(mesh).into_iter().filter(|component| component.closed).collect();
+        let shells = closed.iter().flat_map(|component| shells(mesh, component)).map(|shell| {
+            let corners = |t: [u32; 3]| t.map(|v| mesh.positions[v as usize]);
+            let triangles: Vec<Corners> = shell.corners(mesh).map(corners).collect();
+            let bounds = triangles.iter().fold(Bounds::EMPTY, |bounds, t| bounds.union(Bounds::of(t)));
+            Shell { triangles, bounds, inside: shell.inside }
+        });
+        let shells: Vec<Shell> = shells.collect();
         let bounds = shells.iter().fold(Bounds::EMPTY, |bounds, shell| bounds.union(shell.bounds));
         (!shells.is_empty()).then_some(Body { shells, bounds })
     }
@@ -64,11 +62,16 @@ impl Body {
         if !self.bounds.contains(p) {
             return false;
         }
-        let mut winding = 0;
+        let mut together = 0;
         for shell in self.shells.iter().filter(|shell| shell.bounds.contains(p)) {
-            winding += if shell.balanced { shell.winding(p) } else { i64::from(shell.is_odd(p)) };
+            match shell.inside {
+                Inside::Together => together += shell.winding(p),
+                Inside::ByWinding if shell.winding(p) != 0 => return true,
+                Inside::ByParity if shell.is_odd(p) => return true,
+                Inside::ByWinding | Inside::ByParity => {}
+            }
         }
-        winding != 0
+        together != 0
     }
 
     /// The points of the surface's triangles that are nearest to `p`, for each triangle within `limit` of it: point,
@@ -97,7 +100,7 @@ impl Body {
 }
 
 impl Shell {
-    /// How often the shell goes around `p`; for balanced shells.
+    /// How often the shell goes around `p`; for shells whose triangles agree.
     fn winding(&self, p: [f64; 3]) -> i64 {
         // The solid angle of a triangle is twice the argument of a complex number. Instead of adding the arguments,
         // multiply the numbers, and count how often the product's argument passes from pi to -pi or back. That takes
@@ -167,87 +170,6 @@ impl Shell {
     }
 }
 
-/// The components of the mesh in which every edge has an even number of triangles, in the order of their first
-/// triangles.
-fn closed_components(mesh: &Mesh) -> Vec<Shell> {
-    // Equal positions are one vertex, whatever the mesh says.
-    let mut seen = HashMap::new();
-    let vertices: Vec<u32> = mesh
-        .positions
-        .iter()
-        .enumerate()
-        .map(|(index, p)| *seen.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(index as u32))
-        .collect();
-    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| vertices[v as usize])).collect();
-
-    let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    for &[a, b, c] in &triangles {
-        join(&mut parent, a, b);
-        join(&mut parent, b, c);
-    }
-    let mut number = HashMap::new();
-    let mut parts: Vec<Vec<usize>> = Vec::new();
-    for (index, triangle) in triangles.iter().enumerate() {
-        let root = root(&mut parent, triangle[0]);
-        let part = *number.entry(root).or_insert_with(|| {
-            parts.push(Vec::new());
-            parts.len() - 1
-        });
-        parts[part].push(index);
-    }
-    parts.iter().filter_map(|part| shell(mesh, &triangles, part)).collect()
-}
-
-/// The component as a shell, if it is closed.
-fn shell(mesh: &Mesh, triangles: &[[u32; 3]], part: &[usize]) -> Option<Shell> {
-    // Doubled triangles count once: they are a slip of the modeller's, and no hole.
-    let mut known = HashSet::new();
-    let part: Vec<usize> =
-        part.iter().copied().filter(|&index| known.insert(rotated(triangles[index]))).collect();
-    // Each edge once for each triangle: its ends in order, and which way it is passed.
-    let mut edges: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * part.len());
-    for &index in &part {
-        let t = triangles[index];
-        for i in 0..3 {
-            let (a, b) = (t[i], t[(i + 1) % 3]);
-            edges.push(if a < b { (a, b, 1) } else { (b, a, -1) });
-        }
-    }
-    edges.sort_unstable();
-    let mut balanced = true;
-    for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if same.len() % 2 == 1 {
-            return None;
-        }
-        balanced &= same.iter().map(|edge| edge.2).sum::<i32>() == 0;
-    }
-    let triangles: Vec<Corners> = part.iter().map(|&index| mesh.corners(index)).collect();
-    let bounds = triangles.iter().fold(Bounds::EMPTY, |bounds, t| bounds.union(Bounds::of(t)));
-    Some(Shell { triangles, bounds, balanced })
-}
-
-/// The same turn of corners, with the lowest first.
-fn rotated(t: [u32; 3]) -> [u32; 3] {
-    let lowest = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
-    [t[lowest], t[(lowest + 1) % 3], t[(lowest + 2) % 3]]
-}
-
-fn root(parent: &mut [u32], of: u32) -> u32 {
-    let mut at = of;
-    while parent[at as usize] != at {
-        // Halves the path.
-        parent[at as usize] = parent[parent[at as usize] as usize];
-        at = parent[at as usize];
-    }
-    at
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    // The smaller index stays root; with halved paths that is quick enough, and does not depend on any order.
-    parent[a.max(b) as usize] = a.min(b);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,7 +235,7 @@ mod tests {
     fn winding_counts_far_and_near() {
         let many = Shape::prism(4000, 10.0, -5.0, 5.0);
         let body = body(many).unwrap();
-        assert!(body.shells[0].balanced);
+        assert_eq!(body.shells[0].inside, Inside::Together);
         for p in [[0.0, 0.0, 4.999_999], [9.99, 0.0, 0.0], [1e-9, -1e-9, -4.999_999_999]] {
             assert_eq!(body.shells[0].winding(p), 1, "{p:?}");
         }

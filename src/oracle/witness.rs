@@ -16,6 +16,10 @@ use crate::trace::Ray;
 /// Triangles near which points are tried for an answer `InSolid`: the nearest ones.
 const SOLID_TRIANGLES: usize = 24;
 
+/// Starts this many times as far along the ray from a surface as counts as touching it are clear of it, unless the ray runs
+/// along it.
+const CLEAR: [f64; 2] = [4.0, 256.0];
+
 /// A ray that after this many times the distance that counts as touching still touches a surface runs along it.
 const ALONG: f64 = 1e5;
 
@@ -229,6 +233,10 @@ impl<'a> Search<'a> {
             for hit in self.truth.hits_between(&self.shifted(w, 0.0), level - tolerance, level + tolerance) {
                 let at = hit.t - level;
                 shifts.extend([at - self.step, at, at + self.step]);
+                // Off what counts as touching the surface, be it seen from the side.
+                for off in CLEAR.map(|times| times * self.touch).into_iter().filter(|off| *off <= tolerance) {
+                    shifts.extend([at - off, at + off]);
+                }
             }
         }
         shifts.sort_by(|a, b| a.abs().total_cmp(&b.abs()));

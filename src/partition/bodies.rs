@@ -11,6 +11,7 @@ use crate::compile::outward::{Outward, turn_outward};
 use crate::components::{Component, components};
 use crate::lattice::{Lattice, Point};
 use crate::roles::{asked_role, component_role};
+use crate::shells::{Inside, Shell, shells};
 
 /// Why a closed or open component of an element with a solid role does not carve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -70,13 +71,25 @@ pub(super) struct Bodies {
     pub(super) not_carved: Vec<(ElementId, NotCarved)>,
 }
 
-/// Components of an element that carve or label, before the lattice is known.
+/// Closed components of an element that carve or label, before the lattice is known.
 struct Shells<'m> {
     element: &'m Element,
     id: ElementId,
     is_solid: bool,
-    shells: Vec<(Component, Outward)>,
+    closed: Vec<Closed>,
     bounds: [[f64; 3]; 2],
+}
+
+/// A closed component.
+struct Closed {
+    component: Component,
+    shells: Vec<(Shell, Outward)>,
+}
+
+impl Closed {
+    fn volume(&self) -> f64 {
+        self.shells.iter().map(|(_, outward)| outward.volume).sum()
+    }
 }
 
 /// A component with more faces a cubic metre than this, and more than [`FEW_FACES`], does not carve.
@@ -105,7 +118,7 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     let (near, far): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| is_near(s.bounds, middle));
     for shells in far.iter().filter(|s| s.is_solid) {
         not_carved.push((shells.id, NotCarved::Far));
-        let triangles = shells.shells.iter().flat_map(|(component, _)| &component.triangles);
+        let triangles = shells.closed.iter().flat_map(|closed| &closed.component.triangles);
         detail.extend(triangles.map(|&t| (shells.id, t)));
     }
     let reach = near.iter().flat_map(|s| s.bounds).flatten().fold(0.0f64, |reach, c| reach.max(c.abs()));
@@ -113,7 +126,7 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     let turn = direction(model, carving, reach, 1.0 / f64::from(1u32 << Lattice::FINEST));
     let points = near.iter().flat_map(|s| s.element.mesh.positions.iter().copied());
     let lattice = Lattice::about(points, turn);
-    let bodies: Vec<Body> = near.iter().map(|shells| body(shells, &lattice)).collect();
+    let bodies: Vec<Body> = near.iter().flat_map(|shells| bodies_of(shells, &lattice)).collect();
     let mut bounds = [[i32::MAX; 3], [i32::MIN; 3]];
     for vertex in bodies.iter().flat_map(|body| &body.vertices) {
         for (axis, c) in [vertex.at.x, vertex.at.y, vertex.z].into_iter().enumerate() {
@@ -148,7 +161,7 @@ fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<
     let mut sorted = Sorted { shells: None, detail: Vec::new(), not_carved: Vec::new() };
     let asked = asked_role(element, untagged);
     let asks_solid = matches!(asked, Some(Role::Solid));
-    let mut shells = Vec::new();
+    let mut closed: Vec<Closed> = Vec::new();
     let mut is_solid = false;
     let mut leave = |component: &Component, why: Option<NotCarved>| {
         sorted.detail.extend(component.triangles.iter().map(|&t| (id, t)));
@@ -161,36 +174,41 @@ fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<
             Role::Air if !component.closed => {}
             role @ (Role::Air | Role::Solid) => {
                 is_solid = role == Role::Solid;
-                let outward = turn_outward(&element.mesh, &component);
-                shells.push((component, outward));
+                let turned = |shell: Shell| {
+                    let outward = turn_outward(&element.mesh, &shell, component.bounds);
+                    (shell, outward)
+                };
+                let shells = shells(&element.mesh, &component).into_iter().map(turned).collect();
+                closed.push(Closed { component, shells });
             }
         }
     }
     // A cavity belongs to the shell around it: with cavities, all or none of the element's components carve.
-    let whole: f64 = shells.iter().map(|(_, outward)| outward.volume).sum();
-    let has_cavity = shells.iter().any(|(_, outward)| (outward.volume < 0.0) != (whole < 0.0));
+    let whole: f64 = closed.iter().map(Closed::volume).sum();
+    let has_cavity = closed.iter().any(|closed| (closed.volume() < 0.0) != (whole < 0.0));
     if is_solid {
         if has_cavity {
-            let faces: usize = shells.iter().map(|(c, o)| face_count(element, c, o)).sum();
+            let faces: usize = closed.iter().map(|closed| face_count(element, closed)).sum();
             if let Some(why) = too_costly(faces, whole) {
-                shells.iter().for_each(|(component, _)| leave(component, Some(why)));
-                shells.clear();
+                closed.iter().for_each(|closed| leave(&closed.component, Some(why)));
+                closed.clear();
             }
         } else {
-            shells.retain(|(component, outward)| {
-                let why = too_costly(face_count(element, component, outward), outward.volume);
+            closed.retain(|closed| {
+                let why = too_costly(face_count(element, closed), closed.volume());
                 if why.is_some() {
-                    leave(component, why);
+                    leave(&closed.component, why);
                 }
                 why.is_none()
             });
         }
     }
-    if let Some(first) = shells.first() {
-        let bounds = shells.iter().fold(first.0.bounds, |[lo, hi], (c, _)| {
-            [[0, 1, 2].map(|i| lo[i].min(c.bounds[0][i])), [0, 1, 2].map(|i| hi[i].max(c.bounds[1][i]))]
+    if let Some(first) = closed.first() {
+        let bounds = closed.iter().fold(first.component.bounds, |[lo, hi], closed| {
+            let [from, to] = closed.component.bounds;
+            [[0, 1, 2].map(|i| lo[i].min(from[i])), [0, 1, 2].map(|i| hi[i].max(to[i]))]
         });
-        sorted.shells = Some(Shells { element, id, is_solid, shells, bounds });
+        sorted.shells = Some(Shells { element, id, is_solid, closed, bounds });
     }
     sorted
 }
@@ -204,15 +222,14 @@ fn too_costly(faces: usize, volume: f64) -> Option<NotCarved> {
 }
 
 /// How many planar faces a component has: triangles of one plane, told by their quantised planes, count once.
-fn face_count(element: &Element, component: &Component, outward: &Outward) -> usize {
+fn face_count(element: &Element, closed: &Closed) -> usize {
     let mesh = &element.mesh;
-    let mut planes: Vec<[i64; 4]> = outward
-        .triangles
-        .iter()
+    let origin = glam::DVec3::from(closed.component.bounds[0]);
+    let triangles = closed.shells.iter().flat_map(|(_, outward)| &outward.triangles);
+    let mut planes: Vec<[i64; 4]> = triangles
         .map(|t| {
             let [a, b, c] = t.map(|v| glam::DVec3::from(mesh.positions[v as usize]));
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            let origin = glam::DVec3::from(component.bounds[0]);
             let quantised = (normal * 512.0).round().as_i64vec3();
             [quantised.x, quantised.y, quantised.z, (normal.dot(a - origin) * 500.0).round() as i64]
         })
@@ -239,26 +256,34 @@ fn is_near(bounds: [[f64; 3]; 2], middle: [f64; 3]) -> bool {
     (0..3).all(|axis| bounds[0][axis] > middle[axis] - FAR && bounds[1][axis] < middle[axis] + FAR)
 }
 
-fn body(shells: &Shells<'_>, lattice: &Lattice) -> Body {
+/// The bodies of an element: the shells that agree bound one together, each other shell one by itself.
+fn bodies_of(shells: &Shells<'_>, lattice: &Lattice) -> Vec<Body> {
+    let all = || shells.closed.iter().flat_map(|closed| &closed.shells);
+    let (together, others): (Vec<_>, Vec<_>) = all().partition(|(shell, _)| shell.inside == Inside::Together);
+    let groups = [together].into_iter().chain(others.into_iter().map(|shell| vec![shell]));
+    let mut index = vec![u32::MAX; shells.element.mesh.positions.len()];
+    groups.filter(|group| !group.is_empty()).map(|group| body(shells, &group, lattice, &mut index)).collect()
+}
+
+/// `index` is for every vertex of the mesh, and is left as it came: `u32::MAX` for all.
+fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, index: &mut [u32]) -> Body {
     let mesh = &shells.element.mesh;
-    let mut index = vec![u32::MAX; mesh.positions.len()];
     let mut body = Body {
         element: shells.id,
         is_solid: shells.is_solid,
         vertices: Vec::new(),
         exact: Vec::new(),
         triangles: Vec::new(),
-        by_winding: shells.shells.iter().all(|(_, outward)| outward.by_winding),
-        volume: shells.shells.iter().map(|(_, outward)| outward.volume).sum(),
+        by_winding: group.iter().all(|(shell, _)| shell.inside != Inside::ByParity),
+        volume: group.iter().map(|(_, outward)| outward.volume).sum(),
     };
-    for (component, outward) in &shells.shells {
-        for (&source, corners) in component.triangles.iter().zip(&outward.triangles) {
+    for (shell, outward) in group {
+        for (&source, corners) in shell.triangles.iter().zip(&outward.triangles) {
             let corners = corners.map(|v| {
                 let slot = &mut index[v as usize];
                 if *slot == u32::MAX {
                     *slot = body.vertices.len() as u32;
-                    let p = mesh.positions[v as usize];
-                    let exact = lattice.local(p);
+                    let exact = lattice.local(mesh.positions[v as usize]);
                     let [x, y, z] = Lattice::round(exact);
                     body.exact.push(exact);
                     body.vertices.push(Vertex { at: Point::new(x, y), z });
@@ -268,6 +293,8 @@ fn body(shells: &Shells<'_>, lattice: &Lattice) -> Body {
             body.triangles.push(Corner3 { corners, source });
         }
     }
+    let corners = group.iter().flat_map(|(_, outward)| outward.triangles.iter().flatten());
+    corners.for_each(|&v| index[v as usize] = u32::MAX);
     if body.volume < 0.0 {
         body.triangles.iter_mut().for_each(|t| t.corners.swap(1, 2));
         body.volume = -body.volume;

@@ -32,8 +32,6 @@ pub(super) struct Triangle {
     pub(super) body: u32,
     /// Whether the body carves; else it labels air.
     pub(super) is_solid: bool,
-    /// Its index in the element's mesh.
-    pub(super) source: u32,
     pub(super) corners: [Vertex; 3],
     pub(super) lie: Lie,
     /// How far it runs in the plan, lattice units, if it is a sheet.
@@ -75,14 +73,8 @@ pub(super) fn lay(bodies: &mut Bodies) -> Vec<Triangle> {
         for t in &body.triangles {
             let corners = t.corners.map(|v| body.vertices[v as usize]);
             let exact = t.corners.map(|v| DVec3::from(body.exact[v as usize]));
-            let mut triangle = Triangle {
-                body: b as u32,
-                is_solid: body.is_solid,
-                source: t.source,
-                corners,
-                lie: Lie::Vertical,
-                run: 0.0,
-            };
+            let mut triangle =
+                Triangle { body: b as u32, is_solid: body.is_solid, corners, lie: Lie::Vertical, run: 0.0 };
             if triangle.double_area() != 0 {
                 if let Some(z) = levels.of_triangle(corners) {
                     triangle.lie = Lie::Flat(Plane::level(z));

@@ -241,7 +241,7 @@ impl Line {
         let root = tables.cells[0].root;
         let tmin = surface.map_or(self.tmin, |surface| self.tmin - BEHIND * surface.near);
         let range = (tmin, self.tmax);
-        Query::new(self.origin, self.direction, range, self.start, scene.center, root, surface)
+        Query::new(self.origin, self.direction, range, self.start, scene, root, surface)
     }
 }
 

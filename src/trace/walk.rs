@@ -13,7 +13,9 @@ use glam::DVec3;
 
 use super::NONE;
 use super::lanes::{Lanes, Mask};
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, TriangleRecord, VolumeRecord};
+use crate::format::records::{
+    BLOCK_BIT, BlockRecord, LANES, NodeRecord, SceneRecord, TriangleRecord, VolumeRecord,
+};
 use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level of any hierarchy.
@@ -95,25 +97,31 @@ pub(super) struct Query {
     root: u32,
     /// Bounds the origin's coordinates, metres.
     reach: f64,
+    /// Edge functions of triangles in the hull that are farther from zero than this have the right sign.
+    unsure: f64,
 }
 
 impl Query {
     /// A ray from `origin` along the unit vector `direction`. Its f32 copy starts at `start` along it, where it is
-    /// within the hull, whose center is `center`.
+    /// within the hull.
     #[inline]
     pub(super) fn new(
         origin: DVec3,
         direction: DVec3,
         (tmin, tmax): (f64, f64),
         start: f64,
-        center: [f64; 3],
+        scene: &SceneRecord,
         root: u32,
         surface: Option<Surface>,
     ) -> Query {
-        let local = (origin + direction * start - DVec3::from(center)).as_vec3().to_array();
+        let local = (origin + direction * start - DVec3::from(scene.center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
         let inverse = each(toward, |d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
         let reach = origin.abs().max_element();
+        // A sheared corner is at most twice as far across as this, and less than twice as deep.
+        let [lo, hi] = scene.hull.map(|corner| DVec3::from(corner).abs());
+        let farthest = reach + lo.max(hi).max_element();
+        let unsure = ROUNDING * (3.0 * farthest) * (12.0 * farthest);
         let d = direction.to_array();
         let size = each(d, f64::abs);
         let along = if size[0] > size[1] && size[0] > size[2] {
@@ -140,6 +148,7 @@ impl Query {
             surface,
             root,
             reach,
+            unsure,
         }
     }
 
@@ -166,17 +175,18 @@ impl Query {
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        let unsure = self.unsure;
+        if (u < -unsure || v < -unsure || w < -unsure) && (u > unsure || v > unsure || w > unsure) {
             return false;
         }
-        let det = u + v + w;
-        // Of a triangle seen edge-on, as far as roundings tell, any point could be met: those around it decide.
-        let across = |p: [f64; 3]| p[0].abs() + p[1].abs();
-        let reach = self.reach + a[2].abs().max(b[2].abs()).max(c[2].abs());
-        if det.abs() <= EDGE_ON_EXACT * reach * (across(a) + across(b) + across(c)) {
-            return false;
-        }
-        let t = (u * a[2] + v * b[2] + w * c[2]) / det;
+        let t = if u.abs() > unsure && v.abs() > unsure && w.abs() > unsure {
+            (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
+        } else {
+            match self.near_edge(&corners, &sheared, [u, v, w]) {
+                Some(t) => t,
+                None => return false,
+            }
+        };
         // Seen almost edge-on, rounding could put it anywhere; the triangle's own depth bounds it.
         let (nearest, farthest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
         let t = t.max(nearest).min(farthest);
@@ -191,6 +201,49 @@ impl Query {
         }
         *best = Found { t, triangle: index };
         true
+    }
+
+    /// Where the ray meets a triangle that it passes near an edge of, by its edge functions.
+    ///
+    /// - It also meets it a little beside it, as far as roundings tell. So it cannot slip through where a triangle is left
+    ///   out, between those on either side of that.
+    /// - Left out are triangles that it sees edge-on, as far as roundings tell: any point of them could be met, and those
+    ///   around them decide.
+    /// - Of a sliver, which is as narrow from all sides, the longest side as the ray sees it tells where.
+    #[cold]
+    #[inline(never)]
+    fn near_edge(
+        &self,
+        corners: &[[f64; 3]; 3],
+        sheared: &[[f64; 3]; 3],
+        [u, v, w]: [f64; 3],
+    ) -> Option<f64> {
+        let [a, b, c] = sheared;
+        let across = |p: &[f64; 3]| p[0].abs() + p[1].abs();
+        let reach = self.reach + a[2].abs().max(b[2].abs()).max(c[2].abs());
+        let rounding = ROUNDING * reach * (across(a) + across(b) + across(c));
+        if u.min(v).min(w) < -rounding && u.max(v).max(w) > rounding {
+            return None;
+        }
+        let det = u + v + w;
+        if det.abs() > rounding {
+            return Some((u * a[2] + v * b[2] + w * c[2]) / det);
+        }
+        let [a, b, c] = corners.map(DVec3::from);
+        let normal = (b - a).cross(c - a);
+        if normal.dot(self.direction).abs() <= EDGE_ON_SINE * normal.length() {
+            return None;
+        }
+        let side = |i: usize| {
+            let (p, q) = (sheared[i], sheared[(i + 1) % 3]);
+            let way = [q[0] - p[0], q[1] - p[1]];
+            (p, q, way, way[0] * way[0] + way[1] * way[1])
+        };
+        let longer = |one, other| if side(other).3 > side(one).3 { other } else { one };
+        let (p, q, way, square) = side(longer(longer(0, 1), 2));
+        let share = -(p[0] * way[0] + p[1] * way[1]) / square;
+        // What is a point to the ray is at the depth of any of its corners.
+        Some(if share.is_finite() { p[2] + share * (q[2] - p[2]) } else { p[2] })
     }
 
     /// Whether a hit counts for a ray that starts on a surface. Where it starts in an edge, rounding may have put its
@@ -394,9 +447,12 @@ struct Candidates<L> {
     t: L,
 }
 
-/// Bounds the error of an f64 determinant, for each metre of coordinates and of the sheared corners: those are off by
-/// four roundings of the coordinates, and so is the determinant for each metre of them.
-const EDGE_ON_EXACT: f64 = 1.0 / (1u64 << 50) as f64;
+/// Bounds the error of an edge function and of the determinant in f64, for each metre of coordinates and of the sheared
+/// corners: those are off by four roundings of the coordinates, and so are the former for each metre of them.
+const ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
+
+/// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
+const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
 
 /// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
 const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;

@@ -20,6 +20,8 @@ use crate::watch::Watch;
 #[derive(Debug)]
 pub(super) struct Materials {
     of_file: Vec<MaterialId>,
+    /// For primitives without a material. By the letter of the format that is a rough white *metal*, which no exporter
+    /// means that leaves materials out; a neutral grey shows shapes and reflects about as much as a building does.
     default: Option<MaterialId>,
 }
 
@@ -28,15 +30,9 @@ impl Materials {
     pub fn get(&mut self, index: Option<usize>, builder: &mut ModelBuilder) -> MaterialId {
         match index.and_then(|index| self.of_file.get(index)) {
             Some(material) => *material,
-            None => *self.default.get_or_insert_with(|| builder.material(missing())),
+            None => *self.default.get_or_insert_with(|| builder.material(Material::default())),
         }
     }
-}
-
-/// For primitives without a material. By the letter of the format that is a rough white *metal*, which no exporter
-/// means that leaves materials out; a neutral grey shows shapes and reflects about as much as a building does.
-fn missing() -> Material {
-    Material { name: "default".to_owned(), ..Material::default() }
 }
 
 /// Gives the builder all materials of the file. Textures that cannot be read are left out with a warning.
@@ -414,7 +410,7 @@ mod tests {
     #[test]
     fn primitives_without_material_are_grey_and_not_metal() {
         let model = testing::read(&GltfText::triangle()).unwrap();
-        assert_eq!(model.materials, [missing()]);
-        assert_eq!((model.materials[0].metallic, model.materials[0].name.as_str()), (0.0, "default"));
+        assert_eq!(model.materials, [Material::default()]);
+        assert_eq!((model.materials[0].metallic, model.materials[0].name.as_str()), (0.0, ""));
     }
 }

@@ -409,7 +409,7 @@ fn primitives_of_a_node_are_one_element_with_a_material_per_triangle() {
     text.json["nodes"][0]["mesh"] = json!(0);
     let model = read(&text).unwrap();
     let names: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
-    assert_eq!(names, ["m0", "m1", "default"]);
+    assert_eq!(names, ["m0", "m1", ""]);
     let materials: Vec<u32> = model.elements[0].mesh.materials.iter().map(|m| m.0).collect();
     assert_eq!(materials, [1, 2, 0]);
 }

@@ -40,7 +40,9 @@ impl<'m> Kin<'m> {
         };
         for element in &model.elements {
             let openings = wanted.get(element.id.as_str()).into_iter().flatten().copied();
-            for opening in openings.chain(element.opening.as_deref()) {
+            // A door may be a node without a mesh over one for each material.
+            let inherited = || element.inherited.get("opening_id").map(String::as_str);
+            for opening in openings.chain(element.opening.as_deref().or_else(inherited)) {
                 if let Some(class) = kin.class(element) {
                     kin.fillings.entry(opening).or_default().push(class);
                 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -178,10 +178,15 @@ impl Rules {
         Rules::parse(&text, &name)
     }
 
-    /// The shipped table: a rule for every class of IFC2x3, IFC4 and IFC4x3 that can have geometry.
+    /// The shipped table: a rule for every class of IFC2x3, IFC4 and IFC4x3 that can have geometry. Read once in a
+    /// program's life.
     pub fn shipped() -> Rules {
-        // The text is part of this crate, and a test parses it: it cannot fail.
-        Rules::parse(Rules::shipped_text(), SHIPPED_NAME).unwrap_or_default()
+        // It never changes, and takes far longer to read than a small model takes to tag.
+        static SHIPPED: LazyLock<Rules> = LazyLock::new(|| {
+            // The text is part of this crate, and a test parses it: it cannot fail.
+            Rules::parse(Rules::shipped_text(), SHIPPED_NAME).unwrap_or_default()
+        });
+        SHIPPED.clone()
     }
 
     /// The text of the shipped table, to print, to edit and to load again as a rules file.

@@ -3,8 +3,7 @@
 
 use twox_hash::XxHash3_64;
 
-/// Sets the step of SplitMix64.
-const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
+use crate::splitmix::SplitMix64;
 
 /// Draws random numbers by name.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +19,7 @@ impl Dice {
     /// The random numbers of `option` for the element `key`.
     pub fn draw(&self, option: &str, key: &str) -> Random {
         let of_option = XxHash3_64::oneshot_with_seed(self.seed, option.as_bytes());
-        Random(XxHash3_64::oneshot_with_seed(of_option, key.as_bytes()))
+        Random(SplitMix64::new(XxHash3_64::oneshot_with_seed(of_option, key.as_bytes())))
     }
 
     /// Whether `option` touches the element `key`, if it is to touch a share of them: never at 0, always at 1.
@@ -29,33 +28,24 @@ impl Dice {
     }
 }
 
-/// Random numbers (SplitMix64).
+/// Random numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Random(u64);
+pub struct Random(SplitMix64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(STEP);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
     /// At least 0 and less than 1.
     pub fn fraction(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+        self.0.unit()
     }
 
     /// At least `low` and at most `high`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.fraction()
+        self.0.between(low, high)
     }
 
     /// A whole number from 0 to `count - 1`; 0 if `count` is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        // The remainder favours small numbers by less than count / 2^64.
-        if count == 0 { 0 } else { (self.next() % count as u64) as usize }
+        self.0.below(count as u64) as usize
     }
 
     /// A vector with coordinates from `-most` to `most`.
@@ -74,17 +64,18 @@ mod tests {
         let hits = |share| (0..4000).filter(|i| dice.hits(share, "x", &i.to_string())).count();
         assert_eq!((hits(0.0), hits(f64::NAN), hits(1.0), hits(7.0)), (0, 0, 4000, 4000));
         assert!((900..1100).contains(&hits(0.25)), "{}", hits(0.25));
-        assert_ne!(dice.draw("x", "1").next(), dice.draw("y", "1").next());
-        assert_ne!(dice.draw("x", "1").next(), dice.draw("x", "2").next());
-        assert_ne!(dice.draw("x", "1").next(), Dice::new(6).draw("x", "1").next());
+        assert_ne!(dice.draw("x", "1").0.bits(), dice.draw("y", "1").0.bits());
+        assert_ne!(dice.draw("x", "1").0.bits(), dice.draw("x", "2").0.bits());
+        assert_ne!(dice.draw("x", "1").0.bits(), Dice::new(6).draw("x", "1").0.bits());
     }
 
     #[test]
     fn the_numbers_never_change() {
         let mut random = Dice::new(1).draw("rooms-smaller", "2O2Fr$t4X7Zf8NOew3FLOH");
-        assert_eq!([random.next(), random.next()], [4_113_306_361_847_705_221, 17_628_473_440_703_471_844]);
-        assert!((0..100).all(|_| (2.0..=3.0).contains(&random.between(2.0, 3.0))));
-        assert!((0..100).all(|_| random.below(3) < 3) && random.below(0) == 0);
+        assert_eq!(
+            [random.0.bits(), random.0.bits()],
+            [4_113_306_361_847_705_221, 17_628_473_440_703_471_844]
+        );
         assert!((0..100).all(|_| random.around(0.5).iter().all(|c| c.abs() <= 0.5)));
     }
 }

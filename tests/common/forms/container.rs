@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use enfilade_testing::glb;
 use serde_json::{Value, json};
 
 use super::building::{Building, Look, VFOV_DEGREES};
@@ -30,7 +31,7 @@ pub fn write(mut json: Value, mut bin: Vec<u8>, container: Container, folder: &P
             json["images"] = json!([{ "bufferView": views.len() - 1, "mimeType": "image/png" }]);
             json["buffers"] = json!([{ "byteLength": bin.len() }]);
             let path = folder.join("a.glb");
-            std::fs::write(&path, glb(&json, &bin)).unwrap();
+            std::fs::write(&path, glb::of_json(&json, &bin)).unwrap();
             return path;
         }
         Container::Base64 => {
@@ -96,22 +97,4 @@ pub fn put_looks(json: &mut Value, building: &Building) {
         "KHR_lights_punctual"
     ]);
     json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-}
-
-fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
-    let mut file = b"glTF".to_vec();
-    let mut text = serde_json::to_vec(json).unwrap();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut bin = bin.to_vec();
-    bin.resize(bin.len().next_multiple_of(4), 0);
-    let chunks = [(b"JSON", &text), (b"BIN\0", &bin)];
-    let length = 12 + chunks.iter().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
-    file.extend_from_slice(&2u32.to_le_bytes());
-    file.extend_from_slice(&(length as u32).to_le_bytes());
-    for (kind, bytes) in chunks {
-        file.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
-        file.extend_from_slice(kind);
-        file.extend_from_slice(bytes);
-    }
-    file
 }

@@ -9,7 +9,7 @@ use enfilade::importers::{ImportOptions, UpAxis};
 use super::Written;
 use super::algebra::{Content, Point, is_short};
 use super::building::{Building, Face, Part};
-use crate::common::Random;
+use enfilade_testing::Random;
 
 /// How a file is written.
 #[derive(Clone, Debug)]
@@ -120,8 +120,8 @@ pub fn write(building: &Building, form: &ObjForm, folder: &Path) -> Written {
         building,
         form,
         content: Content { unit: form.unit, y_up: form.y_up },
-        random: Random(form.seed),
-        cuts: Random(if let Polygons::Some(seed) = form.polygons { seed } else { 0 }),
+        random: Random::new(form.seed),
+        cuts: Random::new(if let Polygons::Some(seed) = form.polygons { seed } else { 0 }),
         lines: Vec::new(),
         known: HashMap::new(),
         vertices: 0,

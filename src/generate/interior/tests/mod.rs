@@ -274,11 +274,11 @@ fn rooms_are_as_full_as_is_usual() {
         (Use::Conference, 40.0..=60.0, [4.0, 14.0], 300..=600),
     ];
     let mut furnisher = Furnisher::new();
-    let mut random = random::Random::new(1);
+    let mut random = crate::splitmix::SplitMix64::new(1);
     for (use_, areas, [least, most], faces) in cases {
         let mut count = 0;
         while count < 400 {
-            let [w, h] = [0, 1].map(|_| least + (most - least) * f64::from(random.below(1000)) / 1000.0);
+            let [w, h] = [0, 1].map(|_| random.between(least, most));
             if !areas.contains(&(w * h)) {
                 continue;
             }
