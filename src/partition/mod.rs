@@ -197,7 +197,7 @@ fn merge_slab(
     lattice: &crate::lattice::Lattice,
 ) -> Result<(Built, Vec<(cells::Label, Joined)>, u64), String> {
     let mut stacks = stacks::label(&raw.columns, labels, raw.plan.triangles.len());
-    let joined = stacks::join_slivers(&raw.plan, &raw.columns, lattice, is_room, &mut stacks);
+    let joined = stacks::join_slivers(&raw.plan, &raw.columns, labels, lattice, is_room, &mut stacks);
     let is_air = |item: &stacks::Item| item.fill.is_none_or(|label| label.is_air());
     let pieces = stacks.iter().flatten().filter(|item| is_air(item)).count() as u64;
     let simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
