@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use enfilade::lattice::{FINE, Point, double_area, orient};
 use enfilade::partition::cells::{Label, NONE};
 
-use crate::space::{Finding, Space};
+use crate::space::{Finding, Space, cosine};
 
 /// All of it.
 pub fn check(space: &Space<'_>) -> Vec<Finding> {
@@ -50,29 +50,68 @@ fn footprints(space: &Space<'_>, find: Find<'_>) {
 
 /// Ceilings lie above floors, but for roundings.
 fn heights(space: &Space<'_>, find: Find<'_>) {
-    for (c, footprint) in space.footprints.iter().enumerate() {
-        let cell = space.cell(c);
-        let heights = footprint.iter().map(|&p| space.height(cell, p));
-        let least = heights.min().unwrap_or(0) as f64 / FINE as f64;
-        let cosine =
-            crate::space::cosine(space.plane(cell.floor)).min(crate::space::cosine(space.plane(cell.ceiling)));
-        if least * cosine < -MOST_INVERTED {
-            find(
-                "inverted",
-                format!(
-                    "cell {c} ({:?}): ceiling {least} units below floor, {} across; {footprint:?} {:?} {:?}",
-                    cell.label, least * cosine, space.plane(cell.floor), space.plane(cell.ceiling)
-                ),
-            );
-        }
-        if space.six_volumes(c) <= 0 {
-            find("no volume", format!("cell {c}: six volumes {}", space.six_volumes(c) as f64 / FINE as f64));
+    for c in 0..space.footprints.len() {
+        if let Some(text) = inversion(space, c) {
+            find("inverted", format!("cell {c} ({:?}): {text}", space.cell(c).label));
         }
     }
 }
 
-/// Units, across the steeper of both planes, by which a ceiling may lie below the floor at a corner.
+/// Units by which a ceiling may lie below the floor, across the steeper of both planes. Points of the plan are rounded, so
+/// that two planes that meet over an edge meet up to a unit beside it.
 const MOST_INVERTED: f64 = 2.0;
+
+/// How a cell's ceiling lies too far below its floor: over a part of the footprint that is wider than roundings are.
+fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
+    let (cell, footprint) = (space.cell(c), &space.footprints[c]);
+    let (floor, ceiling) = (space.plane(cell.floor), space.plane(cell.ceiling));
+    let cosine = cosine(floor).min(cosine(ceiling));
+    let rise: Vec<f64> = footprint.iter().map(|&p| space.height(cell, p) as f64 / FINE as f64).collect();
+    let least = rise.iter().copied().fold(f64::INFINITY, f64::min);
+    if least * cosine >= -MOST_INVERTED {
+        return None;
+    }
+    // The part that is upside down.
+    let at = |i: usize| [f64::from(footprint[i].x), f64::from(footprint[i].y)];
+    let mut part: Vec<[f64; 2]> = Vec::new();
+    for i in 0..footprint.len() {
+        let j = (i + 1) % footprint.len();
+        if rise[i] < 0.0 {
+            part.push(at(i));
+        }
+        if (rise[i] < 0.0) != (rise[j] < 0.0) {
+            let s = rise[i] / (rise[i] - rise[j]);
+            part.push([0, 1].map(|k| at(i)[k] + s * (at(j)[k] - at(i)[k])));
+        }
+    }
+    let width = width(&part);
+    (width > MOST_INVERTED).then(|| {
+        let across = least * cosine;
+        format!("ceiling {least} units below floor, {across} across, {width} wide; {footprint:?} {floor:?} {ceiling:?}")
+    })
+}
+
+/// Twice the area by the longest side or diagonal: between the least width of a convex polygon and twice it.
+fn width(polygon: &[[f64; 2]]) -> f64 {
+    let n = polygon.len();
+    let cross = |p: [f64; 2], q: [f64; 2]| {
+        let o = polygon[0];
+        (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0])
+    };
+    let area: f64 = (0..n).map(|i| cross(polygon[i], polygon[(i + 1) % n])).sum();
+    let longest = polygon
+        .iter()
+        .flat_map(|p| polygon.iter().map(move |q| (p[0] - q[0]).hypot(p[1] - q[1])))
+        .fold(0.0, f64::max);
+    if longest > 0.0 { area / longest } else { 0.0 }
+}
+
+/// Whether a cell is so thin, or so much upside down, that roundings are as large as it.
+fn is_splinter(space: &Space<'_>, c: usize) -> bool {
+    let footprint: Vec<[f64; 2]> =
+        space.footprints[c].iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
+    width(&footprint) < 2.0 * MOST_INVERTED
+}
 
 /// What a cell's side has of another is what the other's has of it; only at the hull nothing lies beyond.
 fn sides(space: &Space<'_>, find: Find<'_>) {
@@ -81,7 +120,7 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
         (a.x == b.x && (a.x == hull[0][0] || a.x == hull[1][0]))
             || (a.y == b.y && (a.y == hull[0][1] || a.y == hull[1][1]))
     };
-    let mut areas: BTreeMap<(u32, u32), i128> = BTreeMap::new();
+    let mut areas: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
     for c in 0..space.footprints.len() {
         let (cell, footprint) = (space.cell(c), &space.footprints[c]);
         for (i, section) in space.sections(cell).iter().enumerate() {
@@ -92,39 +131,56 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 continue;
             }
             let sum = |plane: u32| -> i128 { ends.iter().map(|&e| i128::from(space.plane(plane).height(e))).sum() };
-            let mut low = sum(cell.floor);
+            let (mut low, mut low_plane) = (sum(cell.floor), cell.floor);
             for (k, face) in faces.iter().enumerate() {
                 let is_last = k + 1 == faces.len();
                 if (face.top == NONE) != is_last {
                     find("face top", format!("cell {c} section {i} face {k}"));
                 }
-                let high = sum(if face.top == NONE { cell.ceiling } else { face.top });
+                let high_plane = if face.top == NONE { cell.ceiling } else { face.top };
+                let high = sum(high_plane);
                 let other = face.cover.cell;
                 if (other == NONE) != on_hull(ends[0], ends[1]) {
                     find("hull side", format!("cell {c} section {i} {ends:?} names {other}"));
                 }
-                if high < low {
-                    let rise = (low - high) as f64 / 2.0 / FINE as f64;
+                let steep = [low_plane, high_plane].map(|plane| cosine(space.plane(plane)));
+                let cosine = steep[0].min(steep[1]);
+                let rise = (high - low) as f64 / 2.0 / FINE as f64;
+                if rise * cosine < -MOST_INVERTED && !is_splinter(space, c) {
                     find("face inverted", format!("cell {c} section {i} face {k} by {rise} units"));
                 }
+                low_plane = high_plane;
                 // The same length on both sides: that along the longer axis.
                 let [a, b] = ends;
                 let length = i128::from((b.x - a.x).abs().max((b.y - a.y).abs()));
                 if other != NONE {
-                    *areas.entry((c as u32, other)).or_default() += (high - low) * length;
+                    let shared = areas.entry((c as u32, other)).or_default();
+                    shared.area += (high - low) * length;
+                    shared.slack += MOST_INVERTED / cosine * length as f64;
                     areas.entry((other, c as u32)).or_default();
                 }
                 low = high;
             }
         }
     }
-    for (&(a, b), &area) in &areas {
-        let back = areas[&(b, a)];
-        if a == b || (a < b && area != back) {
-            let unit = 2.0 * FINE as f64;
-            find("side areas", format!("{a} -> {b}: {}; back: {} square units", area as f64 / unit, back as f64 / unit));
+    for (&(a, b), there) in &areas {
+        let back = &areas[&(b, a)];
+        let unit = 2.0 * FINE as f64;
+        let off = (there.area - back.area).abs() as f64 / unit;
+        let is_thin = [a, b].iter().any(|&c| is_splinter(space, c as usize));
+        if a == b || (a < b && off > there.slack.max(back.slack) && !is_thin) {
+            let [there, back] = [there, back].map(|s| s.area as f64 / unit);
+            find("side areas", format!("{a} -> {b}: {there}; back: {back} square units"));
         }
     }
+}
+
+/// What one cell's sides have of another.
+#[derive(Default)]
+struct Shared {
+    area: i128,
+    /// What roundings may make of it.
+    slack: f64,
 }
 
 /// Floors and ceilings lie on each other without gaps.

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use enfilade::importers::{ElementId, Model, Role, Semantic};
+use enfilade::components::{Orientation, components};
+use enfilade::importers::{ElementId, Model, Role, Semantic, Untagged};
 use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::partition::cells::Label;
 use enfilade::partition::{Report, cells::Partition};
 use enfilade::roles::roles;
-use enfilade::importers::Untagged;
 
 /// The meshes, ready to be asked.
 pub struct Meshes<'a> {
@@ -15,7 +15,8 @@ pub struct Meshes<'a> {
     solids: Truth,
     airs: Truth,
     roles: Vec<Role>,
-    volumes: Vec<f64>,
+    /// Unknown where triangles disagree about the outside.
+    volumes: Vec<Option<f64>>,
     /// Elements with components that did not carve.
     demoted: BTreeSet<ElementId>,
     /// For each opening, whether it wins against rooms; `None` if that is not clear.
@@ -39,7 +40,8 @@ impl<'a> Meshes<'a> {
         };
         let volume = |e: &enfilade::importers::Element| {
             let mesh = (0..e.mesh.triangles.len()).map(|t| e.mesh.corners(t)).collect();
-            crate::solids::volume(&mesh).abs()
+            let is_mixed = components(&e.mesh).iter().any(|c| c.orientation == Orientation::Mixed);
+            (!is_mixed).then(|| crate::solids::volume(&mesh).abs())
         };
         let mut meshes = Meshes {
             model,
@@ -118,9 +120,10 @@ impl<'a> Meshes<'a> {
             };
             let Some(best) = airs.iter().map(|e| rank(&e)).min() else { return vec![Label::Exterior] };
             let best: Vec<ElementId> = airs.iter().filter(|e| rank(e) == best).copied().collect();
-            let least = best.iter().map(|e| self.volumes[e.0 as usize]).fold(f64::INFINITY, f64::min);
+            let least = best.iter().filter_map(|e| self.volumes[e.0 as usize]).fold(f64::INFINITY, f64::min);
             // Twins are equal but for roundings.
-            let small = best.iter().filter(|e| self.volumes[e.0 as usize] <= least * (1.0 + 1e-9));
+            let is_small = |volume: f64| volume <= least * (1.0 + 1e-9);
+            let small = best.iter().filter(|e| self.volumes[e.0 as usize].is_none_or(is_small));
             small.map(|&e| Label::Air(e)).collect()
         };
         let of = |e: ElementId| self.wins[e.0 as usize];
