@@ -147,7 +147,9 @@ impl Draft {
                 let mut ends: Vec<Point> = polygon.iter().map(|v| v.at).collect();
                 ends.sort_unstable();
                 self.upright(index, [ends[0], ends[ends.len() - 1]], [lowest, highest]);
-                return;
+                // It has no area, but where roundings lead its lower and its upper edge past different sides of a point, it
+                // closes what is between them. Without it matter would go on upwards there.
+                Plane::level(lowest)
             }
             Lie::Sheet => {
                 for i in 0..polygon.len() {
@@ -163,7 +165,9 @@ impl Draft {
         for i in 0..polygon.len() {
             self.link(face, polygon[i].at, polygon[(i + 1) % polygon.len()].at);
         }
-        self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
+        if t.lie != Lie::Vertical {
+            self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
+        }
     }
 
     fn upright(&mut self, triangle: u32, [a, b]: [Point; 2], [low, high]: [i32; 2]) {

@@ -70,7 +70,7 @@ fn walk(space: &Space<'_>, start: usize, from: [f64; 3], direction: [f64; 3]) ->
         direction[2] - (plane.p as f64 * direction[0] + plane.q as f64 * direction[1]) / FINE as f64
     };
     let reach = |plane: &Plane| (plane.height_f64(from[0], from[1]) - from[2]) / rise(plane);
-    let mut c = start;
+    let (mut c, mut entered) = (start, 0.0f64);
     for _ in 0..10 * space.footprints.len() + 100 {
         let (cell, footprint) = (space.cell(c), &space.footprints[c]);
         let next = |i: usize| footprint[(i + 1) % footprint.len()];
@@ -91,6 +91,9 @@ fn walk(space: &Space<'_>, start: usize, from: [f64; 3], direction: [f64; 3]) ->
         if rise(ceiling) > 0.0 && reach(ceiling) < t {
             (t, others) = (reach(ceiling), Some(space.above(cell).collect()));
         }
+        // Where roundings have a ceiling below its floor, a ray is past one before it comes to the other.
+        entered = entered.max(t);
+        let t = entered;
         let at = [0, 1, 2].map(|i| from[i] + t * direction[i]);
         let beyond = match others {
             None => {
