@@ -149,28 +149,48 @@ impl<'a> Sides<'a> {
         let stack = &simple.kinds[simple.kind[other as usize] as usize];
         let cell = |k: usize| {
             let region = self.slab.regions.of(other, k);
-            self.at_side.get(&(region, beyond)).map_or(NONE, |p| self.first + p)
+            let prism = self.at_side.get(&(region, beyond)).copied();
+            prism.or_else(|| self.prism_about(region, ends)).map_or(NONE, |p| self.first + p)
         };
+        // Upwards. Where roundings have a ceiling over this edge below its floor, the item has no face.
         let mut faces: Vec<Face> = Vec::new();
+        let mut low = floor;
         for (k, there) in stack.iter().enumerate() {
-            let (low, high) = (height(there.floor).max(floor), height(there.ceiling).min(ceiling));
-            if low < high {
-                let top = if height(there.ceiling) < ceiling { planes[there.ceiling as usize] } else { NONE };
+            let high = height(there.ceiling);
+            let is_last = k + 1 == stack.len() || high >= ceiling;
+            if high > low || (is_last && faces.is_empty()) {
+                let top = if high < ceiling { planes[there.ceiling as usize] } else { NONE };
                 faces.push(Face { top, cover: Cover { cell: cell(k), source: NONE } });
+                low = high;
+            }
+            if is_last {
+                break;
             }
         }
-        match faces.last_mut() {
-            Some(last) => last.top = NONE,
-            None => {
-                // No height here: whatever lies at that height.
-                let k = stack
-                    .iter()
-                    .position(|there| height(there.ceiling) >= ceiling)
-                    .unwrap_or(stack.len() - 1);
-                faces.push(Face { top: NONE, cover: Cover { cell: cell(k), source: NONE } });
-            }
+        if let Some(last) = faces.last_mut() {
+            last.top = NONE;
         }
         faces
+    }
+
+    /// The prism of a region about the middle of an edge inside of the region: what an item that has no height over the
+    /// edge touches there.
+    fn prism_about(&self, region: u32, [a, b]: [Point; 2]) -> Option<u32> {
+        let prisms = &self.slab.regions.prisms;
+        let start = prisms.partition_point(|prism| prism.region < region);
+        let twice = |p: Point| [2 * i64::from(p.x), 2 * i64::from(p.y)];
+        let middle = [i64::from(a.x) + i64::from(b.x), i64::from(a.y) + i64::from(b.y)];
+        let is_about = |footprint: &[u32]| {
+            (0..footprint.len()).all(|i| {
+                let (from, to) = (footprint[i], footprint[(i + 1) % footprint.len()]);
+                let (from, to) = (twice(self.point(from)), twice(self.point(to)));
+                // Coordinates below 2^26, products below 2^53.
+                let along = [to[0] - from[0], to[1] - from[1]];
+                along[0] * (middle[1] - from[1]) >= along[1] * (middle[0] - from[0])
+            })
+        };
+        let own = prisms[start..].iter().take_while(|prism| prism.region == region);
+        own.enumerate().find(|(_, prism)| is_about(&prism.footprint)).map(|(i, _)| (start + i) as u32)
     }
 }
 
@@ -259,16 +279,36 @@ fn pair(partition: &Partition, above: &[u32], below: &[u32], touching: &mut Vec<
 
 /// Unlabelled air that hangs together with the hull is exterior.
 fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
+    let neighbours = |cell: &Cell| {
+        let mut all = Vec::new();
+        let covers = [&cell.below, &cell.above].into_iter().flat_map(|r| r.start as usize..r.end as usize);
+        all.extend(covers.map(|cover| partition.covers[cover].cell));
+        let sections = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
+        for (i, section) in sections.iter().enumerate() {
+            let ends = [section.start, sections[(i + 1) % sections.len()].start];
+            let mut low = cell.floor;
+            for face in &partition.faces[section.faces.start as usize..section.faces.end as usize] {
+                let high = if face.top == NONE { cell.ceiling } else { face.top };
+                let [floor, ceiling] = [low, high].map(|plane| partition.planes[plane as usize]);
+                // Not where they touch by an edge alone.
+                if ends.iter().any(|&end| ceiling.height(end) > floor.height(end)) {
+                    all.push(face.cover.cell);
+                }
+                low = high;
+            }
+        }
+        all
+    };
     let mut is_exterior = vec![false; partition.cells.len()];
     let mut waiting = Vec::new();
     for (c, cell) in partition.cells.iter().enumerate() {
-        if unlabelled[c] && partition.neighbours(cell).any(|beyond| beyond == NONE) {
+        if unlabelled[c] && neighbours(cell).contains(&NONE) {
             is_exterior[c] = true;
             waiting.push(c);
         }
     }
     while let Some(c) = waiting.pop() {
-        for other in partition.neighbours(&partition.cells[c]) {
+        for other in neighbours(&partition.cells[c]) {
             if other != NONE && unlabelled[other as usize] && !is_exterior[other as usize] {
                 is_exterior[other as usize] = true;
                 waiting.push(other as usize);

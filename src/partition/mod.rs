@@ -236,7 +236,7 @@ fn merge_slab(
     lattice: &crate::lattice::Lattice,
 ) -> Result<Merged, String> {
     let mut stacks = stacks::label(&raw.columns, labels, raw.plan.triangles.len());
-    let joined = stacks::join_slivers(&raw.plan, &raw.columns, lattice, is_room, &mut stacks);
+    let joined = stacks::join_slivers(&raw.plan, &raw.columns, labels, lattice, is_room, &mut stacks);
     let mut pieces = BTreeMap::new();
     for item in stacks.iter().flatten() {
         *pieces.entry(item.fill).or_default() += 1;

@@ -121,16 +121,16 @@ impl Draft {
         if low <= bottom {
             self.cap(t, bottom);
         }
-        if t.lie == Lie::Vertical {
-            return;
-        }
         let polygon = clip(t.corners, levels);
         if polygon.len() < 3 {
             return;
         }
         let plane = match t.lie {
             Lie::Flat(plane) => plane,
-            Lie::Vertical | Lie::Sheet => {
+            // It has no area, but where roundings lead its lower and its upper edge past different sides of a point, it
+            // closes what is between them. Without it matter would go on upwards there.
+            Lie::Vertical => Plane::level(polygon.iter().map(|v| v.z).min().unwrap_or(bottom)),
+            Lie::Sheet => {
                 // Matter shrinks, labels grow.
                 let looks_up = t.double_area() > 0;
                 let heights = polygon.iter().map(|v| v.z);
@@ -142,7 +142,9 @@ impl Draft {
         for i in 0..polygon.len() {
             self.link(face, polygon[i].at, polygon[(i + 1) % polygon.len()].at);
         }
-        self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
+        if t.lie != Lie::Vertical {
+            self.pieces.push((face, polygon.iter().map(|v| v.at).collect()));
+        }
     }
 
     /// The cut of a triangle at `level`, as part of the cap of what lies above.

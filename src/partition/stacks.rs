@@ -8,7 +8,7 @@ use super::cells::Label;
 use super::columns::Columns;
 use super::labels::{Labels, volume};
 use super::plan::{NONE, Plan};
-use crate::lattice::{FINE, Lattice, double_area};
+use crate::lattice::{FINE, Lattice, Point, double_area};
 
 /// Between two planes, filled with one thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -58,10 +58,12 @@ pub(super) struct Joined {
     pub(super) volume: f64,
 }
 
-/// Joins thin unlabelled air to the rooms beside it.
+/// Joins thin unlabelled air to the rooms beside it. Nothing is joined that lies farther than [`THIN`] from what was the
+/// room's before, so that a shaft or a court does not fill up sliver by sliver.
 pub(super) fn join_slivers(
     plan: &Plan,
     columns: &Columns,
+    labels: &Labels,
     lattice: &Lattice,
     is_room: &dyn Fn(Label) -> bool,
     stacks: &mut Stacks,
@@ -69,9 +71,11 @@ pub(super) fn join_slivers(
     let mut joiner = Joiner {
         plan,
         columns,
+        fills: columns.sets.iter().map(|set| labels.of(set)).collect(),
         thin: lattice.steps(THIN),
         is_room,
         joined: std::collections::BTreeMap::new(),
+        seen: Vec::new(),
     };
     for t in 0..stacks.len() as u32 {
         joiner.join_between(t, stacks);
@@ -95,9 +99,13 @@ pub(super) fn join_slivers(
 struct Joiner<'a> {
     plan: &'a Plan,
     columns: &'a Columns,
+    /// By set of bodies.
+    fills: Vec<Option<Label>>,
     thin: f64,
     is_room: &'a dyn Fn(Label) -> bool,
     joined: std::collections::BTreeMap<Label, Joined>,
+    /// Triangles looked at by [`Joiner::is_near`].
+    seen: Vec<u32>,
 }
 
 impl Joiner<'_> {
@@ -105,11 +113,15 @@ impl Joiner<'_> {
         item.fill.filter(|&label| (self.is_room)(label))
     }
 
+    /// Heights of a plane over the corners of a triangle, lattice units.
+    fn heights(&self, t: u32, plane: u32) -> [f64; 3] {
+        let plane = &self.columns.planes[plane as usize];
+        self.plan.corners(t).map(|c| plane.height(c) as f64 / FINE as f64)
+    }
+
     /// Height of a plane over the middle of a triangle, lattice units.
     fn height(&self, t: u32, plane: u32) -> f64 {
-        let plane = &self.columns.planes[plane as usize];
-        let sum: f64 = self.plan.corners(t).iter().map(|&c| plane.height(c) as f64).sum();
-        sum / 3.0 / FINE as f64
+        self.heights(t, plane).iter().sum::<f64>() / 3.0
     }
 
     fn count(&mut self, label: Label, t: u32, floor: u32, ceiling: u32) {
@@ -162,7 +174,7 @@ impl Joiner<'_> {
             while k < stacks[t as usize].len() {
                 let item = stacks[t as usize][k];
                 if item.fill.is_none()
-                    && let Some(parts) = self.parts(t, item, &stacks[other as usize])
+                    && let Some(parts) = self.parts(t, i, item, &stacks[other as usize])
                 {
                     for part in &parts {
                         if let Some(label) = part.fill {
@@ -184,35 +196,118 @@ impl Joiner<'_> {
         changed
     }
 
-    /// What becomes of an unlabelled item beside a stack: the parts of it beside rooms are theirs. `None` if no room lies
-    /// beside it.
-    fn parts(&self, t: u32, item: Item, beside: &[Item]) -> Option<Vec<Item>> {
-        let unit = 1.0;
-        let (low, high) = (self.height(t, item.floor), self.height(t, item.ceiling));
+    /// What becomes of an unlabelled item over a triangle: the parts of it that lie beside rooms across edge `edge` are
+    /// theirs. `None` if no room lies beside it.
+    fn parts(&mut self, t: u32, edge: usize, item: Item, beside: &[Item]) -> Option<Vec<Item>> {
         let mut parts: Vec<Item> = Vec::new();
-        let mut floor = (item.floor, low);
+        let mut floor = item.floor;
         for room in beside {
             let Some(label) = self.room(room) else { continue };
-            let (from, to) = (self.height(t, room.floor).max(low), self.height(t, room.ceiling).min(high));
-            if to - from <= unit {
+            // Where the room's planes would leave less than a unit, or pass through the item's, the item's serve.
+            let Some(gap) = self.gap(t, floor, room.floor) else { continue };
+            let Some(rest) = self.gap(t, room.ceiling, item.ceiling) else { continue };
+            let part = Item {
+                floor: if gap { room.floor } else { floor },
+                ceiling: if rest { room.ceiling } else { item.ceiling },
+                fill: Some(label),
+            };
+            if !self.is_open(t, edge, part) || !self.is_all_near(t, edge, part, label) {
                 continue;
             }
-            if from - floor.1 > unit {
-                parts.push(Item { floor: floor.0, ceiling: room.floor, fill: None });
-                floor = (room.floor, from);
+            if gap {
+                parts.push(Item { floor, ceiling: room.floor, fill: None });
             }
-            let ceiling = if high - to > unit { room.ceiling } else { item.ceiling };
-            parts.push(Item { floor: floor.0, ceiling, fill: Some(label) });
-            floor = (ceiling, to);
+            parts.push(part);
+            floor = part.ceiling;
+            if !rest {
+                break;
+            }
         }
         if parts.is_empty() {
             return None;
         }
-        if floor.0 != item.ceiling {
-            parts.push(Item { floor: floor.0, ceiling: item.ceiling, fill: None });
+        if floor != item.ceiling {
+            parts.push(Item { floor, ceiling: item.ceiling, fill: None });
         }
         Some(parts)
     }
+
+    /// Whether there is a gap between two planes over a triangle, from `low` up to `high`. `None` if they pass through
+    /// each other, so that there is one here and none there, and it is not thin.
+    fn gap(&self, t: u32, low: u32, high: u32) -> Option<bool> {
+        let (low, high) = (self.heights(t, low), self.heights(t, high));
+        let rise = [0, 1, 2].map(|i| high[i] - low[i]);
+        let (least, most) = (rise[0].min(rise[1]).min(rise[2]), rise[0].max(rise[1]).max(rise[2]));
+        if least >= 0.0 && rise.iter().sum::<f64>() > 3.0 * UNIT {
+            Some(true)
+        } else {
+            (most < self.thin).then_some(false)
+        }
+    }
+
+    /// Whether an item has height: over the triangle, nowhere upside down, and over one of its edges.
+    fn is_open(&self, t: u32, edge: usize, item: Item) -> bool {
+        let (low, high) = (self.heights(t, item.floor), self.heights(t, item.ceiling));
+        let rise = [0, 1, 2].map(|i| high[i] - low[i]);
+        rise.iter().all(|&rise| rise > -UNIT)
+            && rise.iter().sum::<f64>() > 3.0 * UNIT
+            && rise[edge] + rise[(edge + 1) % 3] > 2.0 * UNIT
+    }
+
+    /// Whether all of a triangle that `edge` does not bound already lies near what was a room's before.
+    fn is_all_near(&mut self, t: u32, edge: usize, item: Item, label: Label) -> bool {
+        let at = |p: Point| [f64::from(p.x), f64::from(p.y)];
+        let [a, b] = [edge, (edge + 1) % 3].map(|i| at(self.plan.corners(t)[i]));
+        let apex = at(self.plan.corners(t)[(edge + 2) % 3]);
+        let middle = |p: [f64; 2], q: [f64; 2]| [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0];
+        let points = [apex, middle(apex, a), middle(apex, b), middle(apex, middle(a, b))];
+        points.into_iter().all(|p| self.is_near(t, p, item, label))
+    }
+
+    /// Whether what was a room's before, at the heights of an item over `t`, lies near a point of `t`.
+    fn is_near(&mut self, t: u32, p: [f64; 2], item: Item, label: Label) -> bool {
+        let [low, high] = [item.floor, item.ceiling].map(|plane| self.height(t, plane));
+        self.seen.clear();
+        self.seen.push(t);
+        let mut next = 0;
+        while next < self.seen.len().min(MOST_LOOKED_AT) {
+            let here = self.seen[next];
+            next += 1;
+            let is_room = self.columns.stack(here).iter().any(|interval| {
+                self.fills[interval.set as usize] == Some(label)
+                    && self.height(here, interval.floor) < high
+                    && self.height(here, interval.ceiling) > low
+            });
+            if is_room {
+                return true;
+            }
+            let corners = self.plan.corners(here);
+            for i in 0..3 {
+                let other = self.plan.across[here as usize][i];
+                if other != NONE
+                    && !self.seen.contains(&other)
+                    && distance(corners[i], corners[(i + 1) % 3], p) < self.thin
+                {
+                    self.seen.push(other);
+                }
+            }
+        }
+        false
+    }
+}
+
+/// One lattice unit: lower intervals are none.
+const UNIT: f64 = 1.0;
+/// Triangles looked at around a point: where there are more within a few centimetres, nothing is joined.
+const MOST_LOOKED_AT: usize = 256;
+
+/// The distance of a point from a segment.
+fn distance(a: Point, b: Point, p: [f64; 2]) -> f64 {
+    let (ax, ay) = (f64::from(a.x), f64::from(a.y));
+    let (dx, dy) = (f64::from(b.x) - ax, f64::from(b.y) - ay);
+    let along = ((p[0] - ax) * dx + (p[1] - ay) * dy) / (dx * dx + dy * dy);
+    let along = along.clamp(0.0, 1.0);
+    (p[0] - ax - along * dx).hypot(p[1] - ay - along * dy)
 }
 
 /// Makes neighbours of one fill one.

@@ -1,0 +1,89 @@
+//! Random points: each in exactly one cell, which says what the meshes say.
+
+use enfilade::partition::cells::Label;
+
+use crate::space::{Finding, Space};
+use crate::truth::{Meshes, Random};
+
+/// Points looked at for each building.
+const POINTS: usize = 48;
+/// A room may reach so far over unlabelled air, metres: gaps of 5 cm.
+const THIN: f64 = 0.05;
+/// Points nearer to a cell's border than this may be in two cells, or in none; lattice units.
+const BORDER: f64 = 2.0;
+
+pub fn check(space: &Space<'_>, meshes: &Meshes<'_>, random: &mut Random) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let hull = space.partition.hull;
+    for k in 0..POINTS {
+        let local = match k % 4 {
+            0 => [0, 1, 2].map(|i| random.between(f64::from(hull[0][i]), f64::from(hull[1][i]))),
+            // Halfway between lattice points.
+            1 => {
+                [0, 1, 2].map(|i| random.between(f64::from(hull[0][i]), f64::from(hull[1][i])).floor() + 0.5)
+            }
+            // In the box of an element.
+            _ => {
+                let elements = &meshes.model.elements;
+                let element = &elements[(random.next() * elements.len() as f64) as usize];
+                let first = element.mesh.positions[0];
+                let [lo, hi] = element.mesh.positions.iter().fold([first; 2], |[lo, hi], p| {
+                    [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
+                });
+                space.local([0, 1, 2].map(|i| random.between(lo[i] - 0.02, hi[i] + 0.02)))
+            }
+        };
+        at(space, meshes, local, &mut |kind, text| findings.push(Finding { kind, text }));
+    }
+    findings
+}
+
+/// Checks one point, in lattice units.
+pub fn at(
+    space: &Space<'_>,
+    meshes: &Meshes<'_>,
+    local: [f64; 3],
+    find: &mut dyn FnMut(&'static str, String),
+) {
+    let depths: Vec<(usize, f64)> = (0..space.footprints.len())
+        .map(|c| (c, space.depth(c, local)))
+        .filter(|(_, d)| *d > -BORDER)
+        .collect();
+    let inside: Vec<usize> = depths.iter().filter(|(_, d)| *d > BORDER).map(|(c, _)| *c).collect();
+    if depths.is_empty() {
+        find("no cell", format!("{local:?}"));
+    }
+    if inside.len() > 1 {
+        find("cells overlap", format!("{local:?}: {inside:?}"));
+    }
+    let [cell] = inside[..] else { return };
+    let lattice = &space.partition.lattice;
+    let p = [0, 1, 2].map(|i| lattice.metres(i, local[i]));
+    let distance = meshes.distance(p);
+    if distance <= meshes.margin {
+        return;
+    }
+    let expected = meshes.labels_at(p);
+    if expected.is_empty() {
+        return;
+    }
+    let found = match space.cell(cell).label {
+        Label::Void => Label::Exterior,
+        label => label,
+    };
+    if expected.contains(&found) {
+        return;
+    }
+    let text =
+        || format!("{local:?}, {distance} m from surfaces, cell {cell}: {found:?}, expected {expected:?}");
+    match found {
+        // A gap beside a room is the room's.
+        Label::Air(e) if expected == [Label::Exterior] && meshes.labels_room(e) => {
+            let far = meshes.distance_to(p, |other| other == e);
+            if far > THIN + meshes.margin {
+                find("room too far", format!("{far} m; {}", text()));
+            }
+        }
+        _ => find("label", text()),
+    }
+}

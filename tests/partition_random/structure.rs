@@ -1,0 +1,309 @@
+//! What must hold whatever the model is: exactly, in integers.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use enfilade::lattice::{FINE, Point, double_area, orient};
+use enfilade::partition::cells::{Label, NONE};
+
+use crate::space::{Finding, Space, cosine};
+
+/// All of it.
+pub fn check(space: &Space<'_>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut find = |kind, text| findings.push(Finding { kind, text });
+    volume(space, &mut find);
+    footprints(space, &mut find);
+    heights(space, &mut find);
+    sides(space, &mut find);
+    floors(space, &mut find);
+    exterior(space, &mut find);
+    findings
+}
+
+type Find<'a> = &'a mut dyn FnMut(&'static str, String);
+
+/// The cells' volumes sum to the hull's.
+fn volume(space: &Space<'_>, find: Find<'_>) {
+    let hull = space.partition.hull;
+    let sum: i128 = (0..space.footprints.len()).map(|c| space.six_volumes(c)).sum();
+    let box_: i128 = (0..3).map(|i| i128::from(hull[1][i]) - i128::from(hull[0][i])).product();
+    let rest = sum - box_ * 6 * i128::from(FINE);
+    if rest != 0 {
+        find("volume", format!("six volumes are off by {} cubic units", rest as f64 / FINE as f64));
+    }
+}
+
+/// Footprints are exactly convex, counter-clockwise and simple.
+fn footprints(space: &Space<'_>, find: Find<'_>) {
+    for (c, footprint) in space.footprints.iter().enumerate() {
+        let n = footprint.len();
+        let turns = (0..n).map(|i| orient(footprint[i], footprint[(i + 1) % n], footprint[(i + 2) % n]));
+        let is_convex = n >= 3 && turns.clone().all(|t| t >= 0) && turns.clone().any(|t| t > 0);
+        // A convex chain that goes around once has as much area as its fan, all of one sign.
+        let once = (1..n.max(1) - 1).all(|i| orient(footprint[0], footprint[i], footprint[i + 1]) >= 0);
+        let different = (0..n).all(|i| footprint[i] != footprint[(i + 1) % n]);
+        if !(is_convex && once && different) {
+            find("not convex", format!("cell {c}: {footprint:?}"));
+        }
+    }
+}
+
+/// Ceilings lie above floors, but for roundings.
+fn heights(space: &Space<'_>, find: Find<'_>) {
+    for c in 0..space.footprints.len() {
+        if let Some(text) = inversion(space, c) {
+            find("inverted", format!("cell {c} ({:?}): {text}", space.cell(c).label));
+        }
+    }
+}
+
+/// Units by which a ceiling may lie below the floor, across the steeper of both planes. Points of the plan are rounded, so
+/// that two planes that meet over an edge meet up to a unit beside it.
+const MOST_INVERTED: f64 = 2.0;
+
+/// How a cell's ceiling lies too far below its floor: over a part of the footprint that is wider than roundings are.
+fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
+    let (cell, footprint) = (space.cell(c), &space.footprints[c]);
+    let (floor, ceiling) = (space.plane(cell.floor), space.plane(cell.ceiling));
+    let cosine = cosine(floor).min(cosine(ceiling));
+    let rise: Vec<f64> = footprint.iter().map(|&p| space.height(cell, p) as f64 / FINE as f64).collect();
+    let least = rise.iter().copied().fold(f64::INFINITY, f64::min);
+    if least * cosine >= -MOST_INVERTED {
+        return None;
+    }
+    // The part that is upside down.
+    let at = |i: usize| [f64::from(footprint[i].x), f64::from(footprint[i].y)];
+    let mut part: Vec<[f64; 2]> = Vec::new();
+    for i in 0..footprint.len() {
+        let j = (i + 1) % footprint.len();
+        if rise[i] < 0.0 {
+            part.push(at(i));
+        }
+        if (rise[i] < 0.0) != (rise[j] < 0.0) {
+            let s = rise[i] / (rise[i] - rise[j]);
+            part.push([0, 1].map(|k| at(i)[k] + s * (at(j)[k] - at(i)[k])));
+        }
+    }
+    let width = width(&part);
+    (width > MOST_INVERTED).then(|| {
+        let across = least * cosine;
+        format!("ceiling {least} units below floor, {across} across, {width} wide; {footprint:?} {floor:?} {ceiling:?}")
+    })
+}
+
+/// Twice the area by the longest side or diagonal: between the least width of a convex polygon and twice it.
+fn width(polygon: &[[f64; 2]]) -> f64 {
+    let n = polygon.len();
+    let cross = |p: [f64; 2], q: [f64; 2]| {
+        let o = polygon[0];
+        (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0])
+    };
+    let area: f64 = (0..n).map(|i| cross(polygon[i], polygon[(i + 1) % n])).sum();
+    let longest = polygon
+        .iter()
+        .flat_map(|p| polygon.iter().map(move |q| (p[0] - q[0]).hypot(p[1] - q[1])))
+        .fold(0.0, f64::max);
+    if longest > 0.0 { area / longest } else { 0.0 }
+}
+
+/// Whether a cell is so thin, or so much upside down, that roundings are as large as it.
+fn is_splinter(space: &Space<'_>, c: usize) -> bool {
+    let footprint: Vec<[f64; 2]> =
+        space.footprints[c].iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
+    width(&footprint) < 2.0 * MOST_INVERTED
+}
+
+/// What a cell's side has of another is what the other's has of it; only at the hull nothing lies beyond.
+fn sides(space: &Space<'_>, find: Find<'_>) {
+    let hull = space.partition.hull;
+    let on_hull = |a: Point, b: Point| {
+        (a.x == b.x && (a.x == hull[0][0] || a.x == hull[1][0]))
+            || (a.y == b.y && (a.y == hull[0][1] || a.y == hull[1][1]))
+    };
+    let mut areas: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
+    for c in 0..space.footprints.len() {
+        let (cell, footprint) = (space.cell(c), &space.footprints[c]);
+        for (i, section) in space.sections(cell).iter().enumerate() {
+            let ends = [footprint[i], footprint[(i + 1) % footprint.len()]];
+            let faces = space.faces(section);
+            if faces.is_empty() {
+                find("no face", format!("cell {c} section {i}"));
+                continue;
+            }
+            let sum =
+                |plane: u32| -> i128 { ends.iter().map(|&e| i128::from(space.plane(plane).height(e))).sum() };
+            let (mut low, mut low_plane) = (sum(cell.floor), cell.floor);
+            for (k, face) in faces.iter().enumerate() {
+                let is_last = k + 1 == faces.len();
+                if (face.top == NONE) != is_last {
+                    find("face top", format!("cell {c} section {i} face {k}"));
+                }
+                let high_plane = if face.top == NONE { cell.ceiling } else { face.top };
+                let high = sum(high_plane);
+                let other = face.cover.cell;
+                if (other == NONE) != on_hull(ends[0], ends[1]) {
+                    find("hull side", format!("cell {c} section {i} {ends:?} names {other}"));
+                }
+                let steep = [low_plane, high_plane].map(|plane| cosine(space.plane(plane)));
+                let cosine = steep[0].min(steep[1]);
+                let rise = (high - low) as f64 / 2.0 / FINE as f64;
+                if rise * cosine < -MOST_INVERTED && !is_splinter(space, c) {
+                    find("face inverted", format!("cell {c} section {i} face {k} by {rise} units"));
+                }
+                low_plane = high_plane;
+                // The same length on both sides: that along the longer axis.
+                let [a, b] = ends;
+                let length = i128::from((b.x - a.x).abs().max((b.y - a.y).abs()));
+                if other != NONE {
+                    let shared = areas.entry((c as u32, other)).or_default();
+                    shared.area += (high - low) * length;
+                    shared.slack += MOST_INVERTED / cosine * length as f64;
+                    areas.entry((other, c as u32)).or_default();
+                }
+                low = high;
+            }
+        }
+    }
+    for (&(a, b), there) in &areas {
+        let back = &areas[&(b, a)];
+        let unit = 2.0 * FINE as f64;
+        let off = (there.area - back.area).abs() as f64 / unit;
+        let is_thin = [a, b].iter().any(|&c| is_splinter(space, c as usize));
+        if a == b || (a < b && off > there.slack.max(back.slack) && !is_thin) {
+            let [there, back] = [there, back].map(|s| s.area as f64 / unit);
+            find("side areas", format!("{a} -> {b}: {there}; back: {back} square units"));
+        }
+    }
+}
+
+/// What one cell's sides have of another.
+#[derive(Default)]
+struct Shared {
+    area: i128,
+    /// What roundings may make of it.
+    slack: f64,
+}
+
+/// Floors and ceilings lie on each other without gaps.
+fn floors(space: &Space<'_>, find: Find<'_>) {
+    let hull = space.partition.hull;
+    let mut pairs: BTreeSet<(u32, u32)> = BTreeSet::new();
+    let mut back: BTreeSet<(u32, u32)> = BTreeSet::new();
+    for c in 0..space.footprints.len() {
+        let cell = space.cell(c);
+        let whole = double_area(&space.footprints[c]) as f64;
+        for (is_above, plane) in [(false, cell.floor), (true, cell.ceiling)] {
+            let mut others: Vec<u32> =
+                if is_above { space.above(cell).collect() } else { space.below(cell).collect() };
+            let at_hull =
+                *space.plane(plane) == enfilade::lattice::Plane::level(hull[usize::from(is_above)][2]);
+            if others.contains(&NONE) != at_hull || (at_hull && others != [NONE]) {
+                find("hull floor", format!("cell {c} above {is_above}: {others:?}"));
+            }
+            others.retain(|&other| other != NONE);
+            let count = others.len();
+            others.sort_unstable();
+            others.dedup();
+            if others.len() != count {
+                find("cover twice", format!("cell {c}"));
+            }
+            let mut sum = 0.0;
+            for &other in &others {
+                let there = space.cell(other as usize);
+                if plane_of(is_above, there) != plane {
+                    find("floor plane", format!("cells {c}, {other}"));
+                }
+                if is_above {
+                    pairs.insert((other, c as u32));
+                } else {
+                    back.insert((c as u32, other));
+                }
+                sum += common_area(&space.footprints[c], &space.footprints[other as usize]);
+            }
+            if !at_hull && (sum - whole).abs() > 1e-9 * whole + 1e-2 {
+                find(
+                    "floor areas",
+                    format!("cell {c} above {is_above}: twice {sum} of {whole} square units"),
+                );
+            }
+        }
+    }
+    for pair in pairs.symmetric_difference(&back) {
+        find("floor one-sided", format!("{pair:?}"));
+    }
+}
+
+fn plane_of(is_above: bool, there: &enfilade::partition::cells::Cell) -> u32 {
+    if is_above { there.floor } else { there.ceiling }
+}
+
+/// Twice the area that two convex polygons have in common.
+fn common_area(a: &[Point], b: &[Point]) -> f64 {
+    let origin = a[0];
+    let local = |p: &Point| [f64::from(p.x - origin.x), f64::from(p.y - origin.y)];
+    let mut kept: Vec<[f64; 2]> = a.iter().map(local).collect();
+    let by: Vec<[f64; 2]> = b.iter().map(local).collect();
+    for i in 0..by.len() {
+        let (o, e) = (by[i], by[(i + 1) % by.len()]);
+        let side = |p: [f64; 2]| (e[0] - o[0]) * (p[1] - o[1]) - (e[1] - o[1]) * (p[0] - o[0]);
+        let mut next = Vec::with_capacity(kept.len() + 1);
+        for j in 0..kept.len() {
+            let (p, q) = (kept[j], kept[(j + 1) % kept.len()]);
+            let (s, t) = (side(p), side(q));
+            if s >= 0.0 {
+                next.push(p);
+            }
+            if (s >= 0.0) != (t >= 0.0) {
+                let w = s / (s - t);
+                next.push([p[0] + (q[0] - p[0]) * w, p[1] + (q[1] - p[1]) * w]);
+            }
+        }
+        kept = next;
+    }
+    let n = kept.len();
+    (0..n).map(|i| kept[i][0] * kept[(i + 1) % n][1] - kept[(i + 1) % n][0] * kept[i][1]).sum()
+}
+
+/// Unlabelled air is exterior where it hangs together with the hull, by faces with area, and void elsewhere.
+fn exterior(space: &Space<'_>, find: Find<'_>) {
+    let is_unlabelled = |c: usize| matches!(space.cell(c).label, Label::Exterior | Label::Void);
+    let mut reached = vec![false; space.footprints.len()];
+    let mut waiting = Vec::new();
+    let neighbours = |c: usize| {
+        let (cell, footprint) = (space.cell(c), &space.footprints[c]);
+        let mut all: Vec<u32> = space.below(cell).chain(space.above(cell)).collect();
+        for (i, section) in space.sections(cell).iter().enumerate() {
+            let ends = [footprint[i], footprint[(i + 1) % footprint.len()]];
+            let mut low = cell.floor;
+            for face in space.faces(section) {
+                let high = if face.top == NONE { cell.ceiling } else { face.top };
+                if ends.iter().any(|&e| space.plane(high).height(e) > space.plane(low).height(e)) {
+                    all.push(face.cover.cell);
+                }
+                low = high;
+            }
+        }
+        all
+    };
+    for c in (0..reached.len()).filter(|&c| is_unlabelled(c)) {
+        if neighbours(c).contains(&NONE) {
+            reached[c] = true;
+            waiting.push(c);
+        }
+    }
+    while let Some(c) = waiting.pop() {
+        for other in neighbours(c).into_iter().filter(|&other| other != NONE).map(|other| other as usize) {
+            if is_unlabelled(other) && !std::mem::replace(&mut reached[other], true) {
+                waiting.push(other);
+            }
+        }
+    }
+    for c in (0..reached.len()).filter(|&c| is_unlabelled(c)) {
+        if (space.cell(c).label == Label::Exterior) != reached[c] {
+            find(
+                "exterior",
+                format!("cell {c} is {:?}, volume {:e} m3", space.cell(c).label, space.volume(c)),
+            );
+        }
+    }
+}
