@@ -1,9 +1,11 @@
 //! Vertices, triangles and closed volumes: which triangles rays can meet, which only label air.
 
+use std::collections::HashMap;
+
 use enfilade_importers::{Element, Model, Role, Untagged};
 
 use super::outward::{Outward, turn_outward};
-use crate::components::{Component, components};
+use crate::components::{Component, components, rotated};
 use crate::format::Tables;
 use crate::format::records::{TriangleRecord, VolumeRecord};
 use crate::roles::{asked_role, component_role};
@@ -31,6 +33,9 @@ pub(super) struct Gathered {
     pub(super) solids: u64,
     /// Components of solid elements that are open, and so stay detail.
     pub(super) open_solids: u64,
+    /// The scene's triangles of each element, by their index in its mesh; of doubled ones the one that was kept, or
+    /// [`NONE`].
+    pub(super) index: Vec<Vec<u32>>,
 }
 
 impl Gathered {
@@ -67,6 +72,7 @@ fn part(element: &Element, untagged: Untagged) -> Part {
 /// Fills the sections `vertices`, `triangles` and `volumes`. Rooms are not known yet.
 pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gathered {
     let mut gathered = Gathered::default();
+    gathered.index = model.elements.iter().map(|e| vec![NONE; e.mesh.triangles.len()]).collect();
     let mut index = vec![NONE; model.elements.iter().map(|e| e.mesh.positions.len()).max().unwrap_or(0)];
     for labels in [false, true] {
         for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {
@@ -93,6 +99,9 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
                     }
                     let index = &mut index;
                     let id = if closed { tables.volumes.len() as u32 } else { NONE };
+                    for (&t, place) in component.triangles.iter().zip(tables.triangles.len() as u32..) {
+                        gathered.index[e][t as usize] = place;
+                    }
                     add(element, e as u32, component, outward.as_ref(), id, index, tables);
                     if let Some(outward) = outward {
                         gathered.turned += outward.turned;
@@ -120,7 +129,25 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
             gathered.detail_triangles = tables.triangles.len() as u32;
         }
     }
+    for ((element, part), index) in model.elements.iter().zip(parts).zip(&mut gathered.index) {
+        if part.components.iter().any(|(component, ..)| component.doubled > 0) {
+            name_doubled(&element.mesh.triangles, index);
+        }
+    }
     gathered
+}
+
+/// Gives doubled triangles the place of the one that was kept.
+fn name_doubled(triangles: &[[u32; 3]], index: &mut [u32]) {
+    let kept: HashMap<[u32; 3], u32> = triangles
+        .iter()
+        .zip(&*index)
+        .filter(|&(_, &place)| place != NONE)
+        .map(|(&corners, &place)| (rotated(corners), place))
+        .collect();
+    for (&corners, place) in triangles.iter().zip(index).filter(|(_, place)| **place == NONE) {
+        *place = kept.get(&rotated(corners)).copied().unwrap_or(NONE);
+    }
 }
 
 /// The volume that the closed components of an element bound together: a cavity looks inward, and takes off.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use enfilade_importers::{Model, Role};
 use serde::Serialize;
 
-use super::CompileOptions;
 use super::geometry::Gathered;
+use super::{CompileOptions, Counted};
 use crate::format::Tables;
 use crate::format::records::Traits;
 
@@ -128,14 +128,20 @@ pub(super) fn make(
     options: &CompileOptions,
     gathered: &Gathered,
     tables: &Tables,
-    depth: u32,
+    counted: &Counted,
 ) -> Report {
     let scene = &tables.scene[0];
     let mut out = vec![
-        Count { what: "detail".to_owned(), count: u64::from(gathered.detail_triangles) },
+        Count { what: "detail".to_owned(), count: counted.detail },
         Count { what: "air labels".to_owned(), count: gathered.label_triangles },
         Count { what: "ignored elements".to_owned(), count: gathered.ignored_triangles },
     ];
+    let cells = &tables.cells[1..];
+    if !cells.is_empty() {
+        out.insert(0, Count { what: "faces of cells".to_owned(), count: counted.faces });
+        let hidden = u64::from(gathered.detail_triangles) - counted.detail - counted.faces;
+        out.push(Count { what: "inside solid matter".to_owned(), count: hidden });
+    }
     if gathered.doubled_triangles > 0 {
         out.push(Count { what: "doubled triangles".to_owned(), count: gathered.doubled_triangles });
     }
@@ -182,7 +188,7 @@ pub(super) fn make(
             count: gathered.turned,
             largest_displacement: 0.0,
         }],
-        hierarchy_depth: depth,
+        hierarchy_depth: counted.depth,
         warnings: crate::inspect::warnings(model),
         stages: Vec::new(),
         bytes: 0,

@@ -4,10 +4,14 @@
 mod avx2;
 mod batch;
 mod begin;
+mod cells;
 mod cost;
 mod kernel;
 mod lanes;
 mod locate;
+mod meet;
+mod path;
+mod plan;
 mod ray;
 mod single;
 mod walk;

@@ -1,0 +1,252 @@
+//! From cell to cell: the walk of a ray through the prisms of a scene.
+//!
+//! In each prism of air the ray meets the prism's detail, or passes to the next through one face of its surface, or
+//! ends where that face stands before matter (`meet`). Around the prisms, and in scenes that have none, all that can
+//! be met is one hierarchy of boxes.
+//!
+//! - *Every prism is left once.* Sides in the plan have exact signs (`plan`), so that a ray crosses each prism at most
+//!   once. Planes that meet in a line along the ray are the only place where rounding could lead in a circle: a walk
+//!   of more steps than there are cells is begun again a nanometre aside, and counted.
+//! - *Rounding.* Cells are rounded to the lattice: a ray may begin in the air, by the triangles, and in a prism of
+//!   matter. In matter all triangles of the prism's surface are tested, and the ray walks on until it meets one or is
+//!   in the air.
+//! - *A hit is the nearest.* A cell's detail is all triangles that come within a margin of it; a hit counts up to
+//!   where the ray leaves the cell, and [`NEAR`] farther, which the margin covers.
+
+use super::NONE;
+use super::begin::{ASIDE, aside};
+use super::kernel::Probe;
+use super::meet::Surfaces;
+use super::path::{Exit, NEAR, Path, Prisms};
+use super::single::Line;
+use super::walk::{Found, Query, Surface, Walk};
+use crate::format::Views;
+use crate::format::records::CellRecord;
+
+/// The cell around the prisms.
+const AROUND: u32 = 0;
+
+/// What a ray met, and the cell that it met it in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    pub(super) found: Found,
+    pub(super) cell: u32,
+}
+
+/// The walk lost its way.
+struct Lost;
+
+/// What the ray meets first, `hint` being the cell where it may start.
+#[inline]
+pub(super) fn nearest<P: Probe>(
+    tables: &Views,
+    line: &Line,
+    surface: Option<Surface>,
+    hint: u32,
+    probe: &mut P,
+) -> Ended {
+    let walk = Walk::new(tables);
+    let mut query = line.query(tables, surface);
+    if tables.cells.len() == 1 {
+        query.aim(tables.cells[0].root, line.tmax);
+        return Ended { found: probe.first(&walk, &query), cell: AROUND };
+    }
+    let mut ray = Crossing::new(tables, line, walk, query, probe);
+    match ray.run(hint) {
+        Ok(ended) => ended,
+        Err(Lost) => again(tables, line, surface, probe),
+    }
+}
+
+/// The same a nanometre aside: the first way that leads to an answer.
+#[cold]
+fn again<P: Probe>(tables: &Views, line: &Line, surface: Option<Surface>, probe: &mut P) -> Ended {
+    let step = aside(line.origin + line.direction * line.start);
+    for way in ASIDE {
+        probe.restart();
+        let way = way * step;
+        let aside = Line { origin: line.origin + way, ..*line };
+        let query = aside.query(tables, surface);
+        let mut ray = Crossing::new(tables, &aside, Walk::new(tables), query, probe);
+        if let Ok(mut ended) = ray.run(NONE) {
+            let t = ended.found.t + way.dot(line.direction);
+            ended.found.t = t.max(line.tmin).min(line.tmax);
+            return ended;
+        }
+    }
+    Ended { found: Found { t: line.tmax, triangle: NONE }, cell: AROUND }
+}
+
+/// A ray under way.
+struct Crossing<'a, 'p, P> {
+    walk: Walk<'a>,
+    path: Path<'a>,
+    surfaces: Surfaces<'a>,
+    query: Query,
+    /// Where it starts, and where it ends at the latest.
+    first: f64,
+    limit: f64,
+    probe: &'p mut P,
+}
+
+/// A surface that the ray passed without meeting it, but nearly.
+#[derive(Clone, Copy)]
+struct Passed {
+    found: Found,
+    /// Where it entered the matter behind, and from which cell.
+    t: f64,
+    cell: u32,
+}
+
+impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
+    #[inline]
+    fn new(tables: &'a Views, line: &Line, walk: Walk<'a>, query: Query, probe: &'p mut P) -> Self {
+        let path = Path::new(Prisms::new(tables), line.origin, line.direction, line.start);
+        let first = line.tmin.max(line.start);
+        Crossing { walk, path, surfaces: Surfaces::new(tables), query, first, limit: line.tmax, probe }
+    }
+
+    /// What it meets first.
+    fn run(&mut self, hint: u32) -> Result<Ended, Lost> {
+        let inside = self.path.prisms.hold(self.path.at(self.first));
+        let mut cell = if !inside {
+            AROUND
+        } else if self.path.may_start(hint, self.first, self.surfaces.tolerance) {
+            hint
+        } else {
+            self.path.find(self.first).ok_or(Lost)?
+        };
+        let cells = self.path.prisms.cells;
+        let mut outside = !inside;
+        let mut passed: Option<Passed> = None;
+        // Each cell once, and around them before and after.
+        for _ in 0..cells.len() + 2 {
+            let record = &cells[cell as usize];
+            let exit = match record.kind {
+                CellRecord::AROUND => {
+                    let entry = if outside { self.entry() } else { None };
+                    outside = false;
+                    match (self.around(record, entry), entry) {
+                        (Some(found), _) => return Ok(Ended { found, cell }),
+                        (None, Some((t, cell))) => Exit { t, cell, source: NONE },
+                        (None, None) => return Ok(self.nothing()),
+                    }
+                }
+                kind => {
+                    self.probe.cell();
+                    let exit = self.path.leave(record).ok_or(Lost)?;
+                    let found = if kind == CellRecord::AIR {
+                        self.in_air(record, cell, &exit, &mut passed)
+                    } else {
+                        self.in_matter(record, cell, &exit, &mut passed)
+                    };
+                    if let Some(ended) = found {
+                        return Ok(ended);
+                    }
+                    exit
+                }
+            };
+            if exit.t > self.limit {
+                return Ok(self.nothing());
+            }
+            cell = exit.cell;
+        }
+        Err(Lost)
+    }
+
+    fn nothing(&self) -> Ended {
+        Ended { found: Found { t: self.limit, triangle: NONE }, cell: AROUND }
+    }
+
+    /// Where the ray comes to the prisms, and which it enters.
+    fn entry(&self) -> Option<(f64, u32)> {
+        let [enter, leave] = self.path.prisms.zone_span(self.query.origin, self.query.direction)?;
+        if leave < self.first {
+            return None;
+        }
+        let t = enter.max(self.first);
+        self.path.find(t).map(|cell| (t, cell))
+    }
+
+    /// What the ray meets around the prisms, before it comes to them.
+    fn around(&mut self, record: &CellRecord, entry: Option<(f64, u32)>) -> Option<Found> {
+        let until = entry.map_or(self.limit, |(t, _)| self.limit.min(t + NEAR));
+        let found = self.detail(record.root, until);
+        (found.triangle != NONE).then_some(found)
+    }
+
+    #[inline]
+    fn detail(&mut self, root: u32, until: f64) -> Found {
+        if root == NONE {
+            return Found { t: until, triangle: NONE };
+        }
+        self.query.aim(root, until);
+        self.probe.first(&self.walk, &self.query)
+    }
+
+    #[inline]
+    fn in_air(
+        &mut self,
+        record: &CellRecord,
+        cell: u32,
+        exit: &Exit,
+        passed: &mut Option<Passed>,
+    ) -> Option<Ended> {
+        let mut best = Found { t: self.limit, triangle: NONE };
+        *passed = None;
+        if exit.source != NONE && self.path.prisms.cells[exit.cell as usize].kind == CellRecord::SOLID {
+            self.surfaces.meet(exit.source, &self.walk, &mut self.query, &mut best, self.probe);
+            if !self.surfaces.is_near(&best, exit.t, &self.walk, &self.query) {
+                best = self.beside(record, exit.t).unwrap_or(Found { t: self.limit, triangle: NONE });
+            }
+            if best.triangle == NONE {
+                let walk = &self.walk;
+                let near = self.surfaces.nearly_met(exit.source, exit.t, self.limit, walk, &self.query);
+                *passed = near.map(|found| Passed { found, t: exit.t, cell });
+            }
+        }
+        self.with_detail(record, cell, exit, best)
+    }
+
+    /// The nearer of `best` and the detail of the cell, if there is any.
+    #[inline]
+    fn with_detail(&mut self, record: &CellRecord, cell: u32, exit: &Exit, mut best: Found) -> Option<Ended> {
+        let until = if best.triangle == NONE { exit.t } else { best.t.max(exit.t) };
+        let detail = self.detail(record.root, self.limit.min(until + NEAR));
+        if detail.triangle != NONE && (detail.t, detail.triangle) < (best.t, best.triangle) {
+            best = detail;
+        }
+        (best.triangle != NONE).then_some(Ended { found: best, cell })
+    }
+
+    /// What the ray meets of all the cell's surface, up to where it leaves the cell.
+    #[cold]
+    fn beside(&mut self, record: &CellRecord, t: f64) -> Option<Found> {
+        let mut best = Found { t: self.limit, triangle: NONE };
+        for source in self.path.prisms.sources_of(record) {
+            self.surfaces.meet(source, &self.walk, &mut self.query, &mut best, self.probe);
+        }
+        self.surfaces.is_near(&best, t, &self.walk, &self.query).then_some(best)
+    }
+
+    #[cold]
+    fn in_matter(
+        &mut self,
+        record: &CellRecord,
+        cell: u32,
+        exit: &Exit,
+        passed: &mut Option<Passed>,
+    ) -> Option<Ended> {
+        let met = self.beside(record, exit.t).unwrap_or(Found { t: self.limit, triangle: NONE });
+        let ended = self.with_detail(record, cell, exit, met);
+        let Some(surface) = *passed else { return ended };
+        let ended = ended.map(|ended| Ended { cell: surface.cell, ..ended });
+        // The surface that was passed counts, unless the ray is out of the matter again, or at another surface of it,
+        // within the tolerance.
+        let until = ended.map_or(exit.t, |ended| ended.found.t);
+        if until > surface.t + self.surfaces.tolerance {
+            return Some(Ended { found: surface.found, cell: surface.cell });
+        }
+        ended
+    }
+}

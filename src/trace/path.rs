@@ -1,0 +1,300 @@
+//! A ray among prisms: where it leaves one, which part of its surface it leaves through, and in which prism a point
+//! lies.
+
+use glam::DVec3;
+
+use super::NONE;
+use super::plan::PlanLine;
+use crate::format::Views;
+use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord};
+
+/// A point no farther than this outside of a prism counts as in it, metres: what rounding can move it.
+pub(super) const NEAR: f64 = 1e-9;
+
+/// No coordinate on the lattice is more steps from its origin.
+const LARGEST: f64 = (1 << 24) as f64;
+
+/// The way out of a prism.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exit {
+    /// Where, along the ray.
+    pub(super) t: f64,
+    /// The cell beyond.
+    pub(super) cell: u32,
+    /// What may be met there, or [`NONE`].
+    pub(super) source: u32,
+}
+
+/// The prisms of a scene.
+#[derive(Clone, Copy)]
+pub(super) struct Prisms<'a> {
+    pub(super) cells: &'a [CellRecord],
+    sides: &'a [SideRecord],
+    faces: &'a [FaceRecord],
+    covers: &'a [CoverRecord],
+    planes: &'a [PlaneRecord],
+    starts: &'a [u32],
+    listed: &'a [u32],
+    zone: [[f64; 3]; 2],
+    step: [f64; 3],
+    dims: [u32; 3],
+    pub(super) origin: DVec3,
+    /// Bounds all coordinates from the lattice's origin, metres.
+    reach: f64,
+}
+
+impl<'a> Prisms<'a> {
+    #[inline]
+    pub(super) fn new(tables: &'a Views) -> Prisms<'a> {
+        let scene = &tables.scene[0];
+        Prisms {
+            cells: &tables.cells,
+            sides: &tables.sides,
+            faces: &tables.faces,
+            covers: &tables.covers,
+            planes: &tables.planes,
+            starts: &tables.cellgrid,
+            listed: &tables.gridcells,
+            zone: scene.zone,
+            step: scene.grid_step,
+            dims: scene.grid_dims,
+            origin: DVec3::from(scene.lattice_origin),
+            reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
+        }
+    }
+
+    #[inline(always)]
+    fn sides_of(&self, cell: &CellRecord) -> &'a [SideRecord] {
+        &self.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize]
+    }
+
+    /// All that may be met at the surface of a cell; the same one several times.
+    pub(super) fn sources_of(&self, cell: &CellRecord) -> impl Iterator<Item = u32> + 'a {
+        let first = cell.first_cover as usize;
+        let covers = &self.covers[first..first + cell.below as usize + cell.above as usize];
+        let faces = self.faces;
+        let of_side = move |side: &SideRecord| {
+            let first = side.first_face as usize;
+            faces[first..first + side.faces as usize].iter().map(|face| face.source)
+        };
+        let all = self.sides_of(cell).iter().flat_map(of_side).chain(covers.iter().map(|c| c.source));
+        let mut last = NONE;
+        all.filter(move |&source| source != NONE && std::mem::replace(&mut last, source) != source)
+    }
+
+    /// Whether `point` (from the lattice's origin) lies in the zone of the prisms.
+    #[inline]
+    pub(super) fn hold(&self, point: DVec3) -> bool {
+        let p = point + self.origin;
+        (0..3).all(|axis| p[axis] >= self.zone[0][axis] && p[axis] <= self.zone[1][axis])
+    }
+
+    /// Between which `t` a ray is in the zone, if it comes through it.
+    pub(super) fn zone_span(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (o, d) = (origin[axis], direction[axis]);
+            let [lo, hi] = [self.zone[0][axis], self.zone[1][axis]];
+            if d == 0.0 {
+                if o < lo || o > hi {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((lo - o) / d, (hi - o) / d);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        (enter < leave).then_some([enter, leave])
+    }
+
+    /// The prisms that may hold a point (from the lattice's origin).
+    fn listed(&self, point: DVec3) -> &'a [u32] {
+        let p = point + self.origin;
+        let mut index = 0usize;
+        for axis in (0..3).rev() {
+            let most = f64::from(self.dims[axis].saturating_sub(1));
+            let cube = ((p[axis] - self.zone[0][axis]) / self.step[axis]).floor();
+            // A point on the zone's upper side belongs to the last cube; NaN becomes 0.
+            index = index * self.dims[axis] as usize + cube.max(0.0).min(most) as usize;
+        }
+        match (self.starts.get(index), self.starts.get(index + 1)) {
+            (Some(&start), Some(&end)) => &self.listed[start as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
+    fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
+        let [floor, ceiling] = [cell.floor, cell.ceiling].map(|plane| {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            (point.z - p * point.x - q * point.y - height) / (1.0 + p * p + q * q).sqrt()
+        });
+        let mut most = (-floor).max(ceiling);
+        let sides = self.sides_of(cell);
+        let Some(last) = sides.last() else { return f64::INFINITY };
+        let mut a = last.start.map(f64::from);
+        for side in sides {
+            let b = side.start.map(f64::from);
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            let right = ex * (a[1] - point.y) - ey * (a[0] - point.x);
+            most = most.max(right / (ex * ex + ey * ey).sqrt());
+            a = b;
+        }
+        most
+    }
+
+    /// The air prism that holds `point` (internal frame) or is nearest to it, and no farther than `margin`; else a solid
+    /// one.
+    pub(super) fn place(&self, point: DVec3, margin: f64) -> Option<u32> {
+        let point = point - self.origin;
+        if !self.hold(point) {
+            return None;
+        }
+        let best = |kind: u32| {
+            let mut best: Option<(u32, f64)> = None;
+            for &index in self.listed(point) {
+                let cell = &self.cells[index as usize];
+                let outside = if cell.kind == kind { self.outside(cell, point) } else { f64::INFINITY };
+                if outside <= margin && best.is_none_or(|(_, least)| outside < least) {
+                    best = Some((index, outside));
+                }
+            }
+            best.map(|(index, _)| index)
+        };
+        best(CellRecord::AIR).or_else(|| best(CellRecord::SOLID))
+    }
+}
+
+/// A ray among the prisms.
+pub(super) struct Path<'a> {
+    pub(super) prisms: Prisms<'a>,
+    /// Where the ray enters the hull, or starts, from the lattice's origin.
+    origin: DVec3,
+    direction: DVec3,
+    /// `t` there.
+    start: f64,
+    plan: PlanLine,
+}
+
+impl<'a> Path<'a> {
+    #[inline]
+    pub(super) fn new(prisms: Prisms<'a>, origin: DVec3, direction: DVec3, start: f64) -> Path<'a> {
+        // Not the ray's own origin, which may be far outside and have few digits left.
+        let local = origin + direction * start - prisms.origin;
+        let plan = PlanLine::new(local, direction, prisms.reach);
+        Path { prisms, origin: local, direction, start, plan }
+    }
+
+    /// The point at `t`, from the lattice's origin.
+    pub(super) fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * (t - self.start)
+    }
+
+    /// The height over a plane where the ray starts, and by how much it grows.
+    #[inline(always)]
+    fn over(&self, plane: u32) -> (f64, f64) {
+        let PlaneRecord { slope: [p, q], height } = self.prisms.planes[plane as usize];
+        let (o, d) = (self.origin, self.direction);
+        (o.z - p * o.x - q * o.y - height, d.z - p * d.x - q * d.y)
+    }
+
+    /// Where and how the ray leaves a prism that its line crosses: the outgoing face search of the paper's Algorithm 1,
+    /// for floors and ceilings that may slope and have parts. `None` if the line misses the prism's footprint, which
+    /// no prism that is entered from another does.
+    #[inline]
+    pub(super) fn leave(&self, cell: &CellRecord) -> Option<Exit> {
+        let sides = self.prisms.sides_of(cell);
+        let span = self.plan.span(sides);
+        let (side, t) = match (self.plan.vertical, span) {
+            (true, _) => (None, f64::INFINITY),
+            (false, Some(span)) => (Some(&sides[span.side]), span.leave),
+            (false, None) => return None,
+        };
+        let (floor, floor_grows) = self.over(cell.floor);
+        let (ceiling, ceiling_grows) = self.over(cell.ceiling);
+        let down = floor_grows < 0.0 && floor + t * floor_grows < 0.0;
+        let up = ceiling_grows > 0.0 && ceiling + t * ceiling_grows > 0.0;
+        if down || up {
+            let (t_down, t_up) = (-floor / floor_grows, -ceiling / ceiling_grows);
+            let first = cell.first_cover as usize;
+            let middle = first + cell.below as usize;
+            let (t, covers) = if down && !(up && t_up < t_down) {
+                (t_down, &self.prisms.covers[first..middle])
+            } else {
+                (t_up, &self.prisms.covers[middle..middle + cell.above as usize])
+            };
+            let cover = self.cover(covers, t)?;
+            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source });
+        }
+        // Vertical, and its planes say neither up nor down: no prism.
+        let side = side?;
+        let first = side.first_face as usize;
+        let faces = &self.prisms.faces[first..first + side.faces as usize];
+        let (last, others) = faces.split_last()?;
+        let is_below = |face: &&FaceRecord| {
+            face.top == NONE || {
+                let (over, grows) = self.over(face.top);
+                over + t * grows < 0.0
+            }
+        };
+        let face = others.iter().find(is_below).unwrap_or(last);
+        Some(Exit { t: t + self.start, cell: face.cell, source: face.source })
+    }
+
+    /// The part of a floor or ceiling that the ray passes, `t` from its start: the one whose cell's footprint the line
+    /// crosses there, or most nearly there.
+    fn cover(&self, covers: &[CoverRecord], t: f64) -> Option<CoverRecord> {
+        if let [only] = covers {
+            return Some(*only);
+        }
+        let at = if self.plan.vertical { 0.0 } else { t };
+        let mut best: Option<(CoverRecord, f64)> = None;
+        for cover in covers {
+            let cell = self.prisms.cells.get(cover.cell as usize).filter(|c| c.kind != CellRecord::AROUND);
+            let depth = match cell {
+                Some(cell) => match self.plan.span(self.prisms.sides_of(cell)) {
+                    Some(span) => (at - span.enter).min(span.leave - at),
+                    None => continue,
+                },
+                // Around the prisms: only where none of them is.
+                None => -NEAR,
+            };
+            if best.is_none_or(|(_, most)| depth > most) {
+                best = Some((*cover, depth));
+            }
+        }
+        best.map(|(cover, _)| cover)
+    }
+
+    /// Whether the ray may start in `cell` at `t`: its line crosses it, and the point is in it or within `margin`.
+    pub(super) fn may_start(&self, cell: u32, t: f64, margin: f64) -> bool {
+        let Some(record) = self.prisms.cells.get(cell as usize) else { return false };
+        record.kind != CellRecord::AROUND
+            && self.prisms.outside(record, self.at(t)) <= margin
+            && self.plan.span(self.prisms.sides_of(record)).is_some()
+    }
+
+    /// The prism in which the ray is at `t`, in the zone: on a border air rather than matter, and that which the ray enters
+    /// rather than the one that it leaves.
+    pub(super) fn find(&self, t: f64) -> Option<u32> {
+        let zone = [0, 1].map(|i| DVec3::from(self.prisms.zone[i]) - self.prisms.origin);
+        let point = self.at(t).max(zone[0]).min(zone[1]);
+        let ahead = point + self.direction * (2.0 * NEAR);
+        let mut best: Option<(u32, (bool, bool))> = None;
+        for &index in self.prisms.listed(point) {
+            let cell = &self.prisms.cells[index as usize];
+            let is_here = self.prisms.outside(cell, point) <= NEAR
+                && self.plan.span(self.prisms.sides_of(cell)).is_some();
+            if !is_here {
+                continue;
+            }
+            let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
+            let rank = (cell.kind != CellRecord::AIR, is_left);
+            if best.is_none_or(|(_, least)| rank < least) {
+                best = Some((index, rank));
+            }
+        }
+        best.map(|(index, _)| index)
+    }
+}
