@@ -69,3 +69,45 @@ fn random_partitions_answer_right() {
         }
     }
 }
+
+#[test]
+fn explore() {
+    let n: u64 = std::env::var("SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
+    for (name, style) in styles() {
+        let (mut mine, mut theirs) = (0, 0);
+        let mut sums = [0u64; 4];
+        for seed in 0..n {
+            let made = make(&mut Random(seed * 77 + 1), &style);
+            let roles = roles(&made.model, Untagged::default());
+            let scene = compiled(&made);
+            let whole = compile(&made.model, &CompileOptions::default()).unwrap().scene();
+            let options = VerifyOptions::default().with_rays(20000).with_grid_rays(20).with_seed(seed);
+            let run = |scene: &Scene| {
+                verify(
+                    &made.model,
+                    |e| roles[e.0 as usize],
+                    &|rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST),
+                    &options,
+                )
+                .unwrap()
+            };
+            let (a, b) = (run(&scene), run(&whole));
+            mine += a.total.wrong;
+            theirs += b.total.wrong;
+            sums[0] += a.total.exact;
+            sums[1] += b.total.exact;
+            sums[2] += a.total.edge;
+            sums[3] += b.total.edge;
+            for case in a.wrong {
+                println!("{name} {seed} MINE {case:?}");
+            }
+            for case in b.wrong {
+                println!("{name} {seed} WHOLE {case:?}");
+            }
+        }
+        println!(
+            "== {name}: wrong {mine} {theirs} exact {} {} edge {} {}",
+            sums[0], sums[1], sums[2], sums[3]
+        );
+    }
+}

@@ -7,9 +7,12 @@
 //! - *Every prism is left once.* Sides in the plan have exact signs (`plan`), so that a ray crosses each prism at most
 //!   once. Planes that meet in a line along the ray are the only place where rounding could lead in a circle: a walk
 //!   of more steps than there are cells is begun again a nanometre aside, and counted.
-//! - *Rounding.* Cells are rounded to the lattice: a ray may begin in the air, by the triangles, and in a prism of
-//!   matter. In matter all triangles of the prism's surface are tested, and the ray walks on until it meets one or is
-//!   in the air.
+//! - *Rounding.* Cells are rounded to the lattice. The way through them is that of a parallel ray: the ray itself, but where
+//!   it starts in a prism of matter, or so near to it that rounding might let it run on the wrong side of a surface, one
+//!   that starts beside it in the air, a few steps of the lattice away from matter. The triangles are met by the ray
+//!   itself, or they are nearly met.
+//! - *In matter*, where no air is near the start, all triangles of a prism's surface are tested, and the ray walks on
+//!   until it meets one or is in the air.
 //! - *A hit is the nearest.* A cell's detail is all triangles that come within a margin of it; a hit counts up to
 //!   where the ray leaves the cell, and [`NEAR`] farther, which the margin covers.
 
@@ -89,15 +92,6 @@ struct Crossing<'a, 'p, P> {
     probe: &'p mut P,
 }
 
-/// A surface that the ray passed without meeting it, but nearly.
-#[derive(Clone, Copy)]
-struct Passed {
-    found: Found,
-    /// Where it entered the matter behind, and from which cell.
-    t: f64,
-    cell: u32,
-}
-
 impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     #[inline]
     fn new(tables: &'a Views, line: &Line, walk: Walk<'a>, query: Query, probe: &'p mut P) -> Self {
@@ -106,19 +100,39 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         Crossing { walk, path, surfaces: Surfaces::new(tables), query, first, limit: line.tmax, probe }
     }
 
+    /// The prism in which the ray starts, its path moved aside where needed.
+    #[inline]
+    fn start(&mut self, hint: u32) -> Result<u32, Lost> {
+        let clear = self.path.prisms.clear.min(self.surfaces.tolerance / 4.0);
+        if self.path.is_clear_in(hint, self.first, clear) {
+            return Ok(hint);
+        }
+        let found = self.path.find(self.first);
+        match found {
+            Some(cell) if self.path.is_clear_in(cell, self.first, clear) => Ok(cell),
+            _ => self.start_aside(hint, found, clear),
+        }
+    }
+
+    #[cold]
+    fn start_aside(&mut self, hint: u32, found: Option<u32>, clear: f64) -> Result<u32, Lost> {
+        if let Some((way, cell)) = self.path.aside(self.first, hint, clear, self.surfaces.tolerance) {
+            let moved = self.path.moved(way);
+            // A prism too narrow for that is left as it is.
+            if moved.is_clear_in(cell, self.first, 0.0) {
+                self.path = moved;
+                return Ok(cell);
+            }
+        }
+        found.ok_or(Lost)
+    }
+
     /// What it meets first.
     fn run(&mut self, hint: u32) -> Result<Ended, Lost> {
         let inside = self.path.prisms.hold(self.path.at(self.first));
-        let mut cell = if !inside {
-            AROUND
-        } else if self.path.may_start(hint, self.first, self.surfaces.tolerance) {
-            hint
-        } else {
-            self.path.find(self.first).ok_or(Lost)?
-        };
+        let mut cell = if inside { self.start(hint)? } else { AROUND };
         let cells = self.path.prisms.cells;
         let mut outside = !inside;
-        let mut passed: Option<Passed> = None;
         // Each cell once, and around them before and after.
         for _ in 0..cells.len() + 2 {
             let record = &cells[cell as usize];
@@ -135,13 +149,13 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
                 kind => {
                     self.probe.cell();
                     let exit = self.path.leave(record).ok_or(Lost)?;
-                    let found = if kind == CellRecord::AIR {
-                        self.in_air(record, cell, &exit, &mut passed)
+                    let best = if kind == CellRecord::AIR {
+                        self.at_face(record, &exit)
                     } else {
-                        self.in_matter(record, cell, &exit, &mut passed)
+                        self.beside(record, exit.t)
                     };
-                    if let Some(ended) = found {
-                        return Ok(ended);
+                    if let Some(found) = self.with_detail(record, &exit, best) {
+                        return Ok(Ended { found, cell });
                     }
                     exit
                 }
@@ -184,39 +198,21 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         self.probe.first(&self.walk, &self.query)
     }
 
+    /// What the ray meets where it leaves a prism of air, if there is matter.
     #[inline]
-    fn in_air(
-        &mut self,
-        record: &CellRecord,
-        cell: u32,
-        exit: &Exit,
-        passed: &mut Option<Passed>,
-    ) -> Option<Ended> {
+    fn at_face(&mut self, record: &CellRecord, exit: &Exit) -> Option<Found> {
+        if exit.source == NONE || self.path.prisms.cells[exit.cell as usize].kind != CellRecord::SOLID {
+            return None;
+        }
         let mut best = Found { t: self.limit, triangle: NONE };
-        *passed = None;
-        if exit.source != NONE && self.path.prisms.cells[exit.cell as usize].kind == CellRecord::SOLID {
-            self.surfaces.meet(exit.source, &self.walk, &mut self.query, &mut best, self.probe);
-            if !self.surfaces.is_near(&best, exit.t, &self.walk, &self.query) {
-                best = self.beside(record, exit.t).unwrap_or(Found { t: self.limit, triangle: NONE });
-            }
-            if best.triangle == NONE {
-                let walk = &self.walk;
-                let near = self.surfaces.nearly_met(exit.source, exit.t, self.limit, walk, &self.query);
-                *passed = near.map(|found| Passed { found, t: exit.t, cell });
-            }
+        self.surfaces.meet(exit.source, &self.walk, &mut self.query, &mut best, self.probe);
+        if self.surfaces.is_near(&best, exit.t, &self.walk, &self.query) {
+            return Some(best);
         }
-        self.with_detail(record, cell, exit, best)
-    }
-
-    /// The nearer of `best` and the detail of the cell, if there is any.
-    #[inline]
-    fn with_detail(&mut self, record: &CellRecord, cell: u32, exit: &Exit, mut best: Found) -> Option<Ended> {
-        let until = if best.triangle == NONE { exit.t } else { best.t.max(exit.t) };
-        let detail = self.detail(record.root, self.limit.min(until + NEAR));
-        if detail.triangle != NONE && (detail.t, detail.triangle) < (best.t, best.triangle) {
-            best = detail;
-        }
-        (best.triangle != NONE).then_some(Ended { found: best, cell })
+        self.beside(record, exit.t).or_else(|| {
+            let at = (exit.t, self.path.at(exit.t) + self.path.prisms.origin);
+            self.surfaces.nearly_met(exit.source, at, self.limit, &self.walk, &self.query)
+        })
     }
 
     /// What the ray meets of all the cell's surface, up to where it leaves the cell.
@@ -229,24 +225,17 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         self.surfaces.is_near(&best, t, &self.walk, &self.query).then_some(best)
     }
 
-    #[cold]
-    fn in_matter(
-        &mut self,
-        record: &CellRecord,
-        cell: u32,
-        exit: &Exit,
-        passed: &mut Option<Passed>,
-    ) -> Option<Ended> {
-        let met = self.beside(record, exit.t).unwrap_or(Found { t: self.limit, triangle: NONE });
-        let ended = self.with_detail(record, cell, exit, met);
-        let Some(surface) = *passed else { return ended };
-        let ended = ended.map(|ended| Ended { cell: surface.cell, ..ended });
-        // The surface that was passed counts, unless the ray is out of the matter again, or at another surface of it,
-        // within the tolerance.
-        let until = ended.map_or(exit.t, |ended| ended.found.t);
-        if until > surface.t + self.surfaces.tolerance {
-            return Some(Ended { found: surface.found, cell: surface.cell });
+    /// The nearer of `best` and the detail of the cell, if there is any.
+    #[inline]
+    fn with_detail(&mut self, record: &CellRecord, exit: &Exit, best: Option<Found>) -> Option<Found> {
+        if record.root == NONE {
+            return best;
         }
-        ended
+        let until = best.map_or(exit.t, |best| best.t.max(exit.t));
+        let detail = self.detail(record.root, self.limit.min(until + NEAR));
+        match best {
+            Some(best) if (best.t, best.triangle) <= (detail.t, detail.triangle) => Some(best),
+            _ => (detail.triangle != NONE).then_some(detail),
+        }
     }
 }

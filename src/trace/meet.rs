@@ -2,8 +2,8 @@
 //!
 //! Cells are rounded to the lattice, and so is where a ray leaves them. What it meets, and where, is said by the
 //! triangles that stand behind the face, tested as detail is. Near an edge the ray may pass the face and miss the
-//! triangles by a hair: then by those of the cell's other faces; then, if the matter is not left again at once, by the
-//! triangle whose plane the ray crosses within the tolerance of it.
+//! triangles by a hair: then by those of the cell's other faces; then by the nearest triangle behind the face: the
+//! cells are closed where the model has cracks, and a parallel ray less than the tolerance aside meets it.
 
 use glam::DVec3;
 
@@ -83,12 +83,13 @@ impl<'a> Surfaces<'a> {
             })
     }
 
-    /// The triangle of `source` to which the ray comes nearest where it crosses its plane, if that is within the tolerance,
-    /// there and from the face that it passes at `t`, and before `limit`.
+    /// The triangle of `source` that is nearest to `point`, where the ray passes a face at `t`, if that is within the
+    /// tolerance; met at its plane, or at the face if the plane is farther, but not after `limit`.
+    #[cold]
     pub(super) fn nearly_met(
         &mut self,
         source: u32,
-        t: f64,
+        (t, point): (f64, DVec3),
         limit: f64,
         walk: &Walk<'_>,
         query: &Query,
@@ -99,20 +100,23 @@ impl<'a> Surfaces<'a> {
         for &triangle in self.triangles_of(&source) {
             let corners = walk.corners(triangle);
             let normal = normal(corners);
-            let toward = normal.dot(query.direction);
-            let crossing = normal.dot(corners[0] - query.origin) / toward;
-            // The negated form also turns away NaN.
-            if !(crossing >= query.tmin && crossing <= limit)
-                || ((crossing - t) * toward).abs() > self.tolerance
-            {
+            let height = normal.dot(point - corners[0]);
+            let off = distance(corners, point - normal * height).hypot(height);
+            if off > self.tolerance || best.is_some_and(|(_, least)| off >= least) {
                 continue;
             }
             let starts_on_it = query.surface.as_ref().is_some_and(|surface| {
-                (crossing * toward).abs() <= self.tolerance && normal.dot(surface.normal).abs() >= 1.0 - ALIKE
+                normal.dot(corners[0] - query.origin).abs() <= self.tolerance
+                    && normal.dot(surface.normal).abs() >= 1.0 - ALIKE
             });
-            let off = distance(corners, query.origin + query.direction * crossing);
-            if !starts_on_it && off <= self.tolerance && best.is_none_or(|(_, least)| off < least) {
-                best = Some((Found { t: crossing, triangle }, off));
+            if starts_on_it {
+                continue;
+            }
+            let crossing = normal.dot(corners[0] - query.origin) / normal.dot(query.direction);
+            // Along the plane there is no crossing, or far away.
+            let t = if (crossing - t).abs() <= self.tolerance { crossing } else { t };
+            if t <= limit {
+                best = Some((Found { t: t.max(query.tmin), triangle }, off));
             }
         }
         best.map(|(found, _)| found)

@@ -11,6 +11,9 @@ use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, S
 /// A point no farther than this outside of a prism counts as in it, metres: what rounding can move it.
 pub(super) const NEAR: f64 = 1e-9;
 
+/// So many steps of the lattice rounding may have moved surfaces.
+const CLEAR: f64 = 4.0;
+
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
 
@@ -41,6 +44,8 @@ pub(super) struct Prisms<'a> {
     pub(super) origin: DVec3,
     /// Bounds all coordinates from the lattice's origin, metres.
     reach: f64,
+    /// So far rounding may have moved surfaces, metres.
+    pub(super) clear: f64,
 }
 
 impl<'a> Prisms<'a> {
@@ -60,6 +65,7 @@ impl<'a> Prisms<'a> {
             dims: scene.grid_dims,
             origin: DVec3::from(scene.lattice_origin),
             reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
+            clear: CLEAR * (-f64::from(scene.lattice_bits)).exp2(),
         }
     }
 
@@ -124,24 +130,69 @@ impl<'a> Prisms<'a> {
         }
     }
 
+    /// Calls `each` with every plane of the prism: its unit normal, outward, how far `point` is outside of it, metres,
+    /// and whether there is matter at it.
+    fn planes_of(&self, cell: &CellRecord, point: DVec3, mut each: impl FnMut(DVec3, f64, bool)) {
+        let first = cell.first_cover as usize;
+        let middle = first + cell.below as usize;
+        let covers = [first..middle, middle..middle + cell.above as usize];
+        for (plane, up, covers) in
+            [(cell.floor, -1.0, covers[0].clone()), (cell.ceiling, 1.0, covers[1].clone())]
+        {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            let scale = up / (1.0 + p * p + q * q).sqrt();
+            let over = (point.z - p * point.x - q * point.y - height) * scale;
+            let matter = self.covers[covers].iter().any(|cover| cover.source != NONE);
+            each(DVec3::new(-p, -q, 1.0) * scale, over, matter);
+        }
+        let sides = self.sides_of(cell);
+        for (i, side) in sides.iter().enumerate() {
+            let a = side.start.map(f64::from);
+            let b = sides[(i + 1) % sides.len()].start.map(f64::from);
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            let scale = 1.0 / (ex * ex + ey * ey).sqrt();
+            let right = (ex * (a[1] - point.y) - ey * (a[0] - point.x)) * scale;
+            let faces = &self.faces[side.first_face as usize..(side.first_face + side.faces) as usize];
+            let matter = faces.iter().any(|face| face.source != NONE);
+            each(DVec3::new(ey * scale, -ex * scale, 0.0), right, matter);
+        }
+    }
+
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
     fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
-        let [floor, ceiling] = [cell.floor, cell.ceiling].map(|plane| {
-            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
-            (point.z - p * point.x - q * point.y - height) / (1.0 + p * p + q * q).sqrt()
-        });
-        let mut most = (-floor).max(ceiling);
-        let sides = self.sides_of(cell);
-        let Some(last) = sides.last() else { return f64::INFINITY };
-        let mut a = last.start.map(f64::from);
-        for side in sides {
-            let b = side.start.map(f64::from);
-            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-            let right = ex * (a[1] - point.y) - ey * (a[0] - point.x);
-            most = most.max(right / (ex * ex + ey * ey).sqrt());
-            a = b;
-        }
+        let mut most = f64::NEG_INFINITY;
+        self.planes_of(cell, point, |_, over, _| most = most.max(over));
         most
+    }
+
+    /// Whether `point` is in the prism, and `clear` away from all matter at its surface.
+    fn is_clear(&self, cell: &CellRecord, point: DVec3, clear: f64) -> bool {
+        let mut is_clear = true;
+        self.planes_of(cell, point, |_, over, matter| is_clear &= over <= if matter { -clear } else { 0.0 });
+        is_clear
+    }
+
+    /// The way from `point` into the prism, and `clear` away from all matter at its surface, as far as it is wide enough.
+    fn way_into(&self, cell: &CellRecord, point: DVec3, clear: f64) -> DVec3 {
+        /// Planes at a corner push the point across each other: this brings it there but for some 2^-ROUNDS of the way.
+        const ROUNDS: usize = 8;
+        let mut to = point;
+        for _ in 0..ROUNDS {
+            let mut moved = to;
+            // One plane after the other, so that each sees what those before have done.
+            self.planes_of(cell, to, |normal, over, matter| {
+                let done = normal.dot(moved - to);
+                let wanted = if matter { clear } else { clear / 16.0 };
+                if over + done > -wanted && (matter || over > 0.0) {
+                    moved -= normal * (over + done + wanted);
+                }
+            });
+            if moved == to {
+                break;
+            }
+            to = moved;
+        }
+        to - point
     }
 
     /// The air prism that holds `point` (internal frame) or is nearest to it, and no farther than `margin`; else a solid
@@ -184,6 +235,13 @@ impl<'a> Path<'a> {
         let local = origin + direction * start - prisms.origin;
         let plan = PlanLine::new(local, direction, prisms.reach);
         Path { prisms, origin: local, direction, start, plan }
+    }
+
+    /// The parallel path that is `way` aside.
+    pub(super) fn moved(&self, way: DVec3) -> Path<'a> {
+        let origin = self.origin + way;
+        let plan = PlanLine::new(origin, self.direction, self.prisms.reach);
+        Path { origin, plan, ..*self }
     }
 
     /// The point at `t`, from the lattice's origin.
@@ -267,21 +325,37 @@ impl<'a> Path<'a> {
         best.map(|(cover, _)| cover)
     }
 
-    /// Whether the ray may start in `cell` at `t`: its line crosses it, and the point is in it or within `margin`.
-    pub(super) fn may_start(&self, cell: u32, t: f64, margin: f64) -> bool {
-        let Some(record) = self.prisms.cells.get(cell as usize) else { return false };
-        record.kind != CellRecord::AROUND
-            && self.prisms.outside(record, self.at(t)) <= margin
-            && self.plan.span(self.prisms.sides_of(record)).is_some()
+    /// Whether the ray is in the air of `cell` at `t`, `clear` away from matter.
+    #[inline]
+    pub(super) fn is_clear_in(&self, cell: u32, t: f64, clear: f64) -> bool {
+        self.prisms.cells.get(cell as usize).is_some_and(|record| {
+            record.kind == CellRecord::AIR
+                && self.prisms.is_clear(record, self.at(t), clear)
+                && self.is_member(record, t)
+        })
     }
 
-    /// The prism in which the ray is at `t`, in the zone: on a border air rather than matter, and that which the ray enters
-    /// rather than the one that it leaves.
+    /// Whether a walk that comes to `t` may be in the cell there: its line crosses the footprint, and is between floor and
+    /// ceiling as [`Path::leave`] has it.
+    fn is_member(&self, cell: &CellRecord, t: f64) -> bool {
+        let t = t - self.start;
+        let is_below = |plane: u32| {
+            let (over, grows) = self.over(plane);
+            let over = over + t * grows;
+            over < 0.0 || (over == 0.0 && grows < 0.0)
+        };
+        !is_below(cell.floor)
+            && is_below(cell.ceiling)
+            && self.plan.span(self.prisms.sides_of(cell)).is_some()
+    }
+
+    /// The prism in which the ray is at `t`, in the zone: on a border that in which the walk may be, air rather than matter,
+    /// and that which the ray enters rather than the one that it leaves.
     pub(super) fn find(&self, t: f64) -> Option<u32> {
         let zone = [0, 1].map(|i| DVec3::from(self.prisms.zone[i]) - self.prisms.origin);
         let point = self.at(t).max(zone[0]).min(zone[1]);
         let ahead = point + self.direction * (2.0 * NEAR);
-        let mut best: Option<(u32, (bool, bool))> = None;
+        let mut best: Option<(u32, (bool, bool, bool))> = None;
         for &index in self.prisms.listed(point) {
             let cell = &self.prisms.cells[index as usize];
             let is_here = self.prisms.outside(cell, point) <= NEAR
@@ -290,11 +364,36 @@ impl<'a> Path<'a> {
                 continue;
             }
             let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
-            let rank = (cell.kind != CellRecord::AIR, is_left);
+            let rank = (!self.is_member(cell, t), cell.kind != CellRecord::AIR, is_left);
             if best.is_none_or(|(_, least)| rank < least) {
                 best = Some((index, rank));
             }
         }
         best.map(|(index, _)| index)
+    }
+
+    /// The way aside, no longer than `margin`, to a parallel ray that starts in the air at `t`, `clear` away from matter;
+    /// and the prism that it starts in: `hint`, or the nearest, or of several on whose border the ray starts the one
+    /// that it enters.
+    #[cold]
+    pub(super) fn aside(&self, t: f64, hint: u32, clear: f64, margin: f64) -> Option<(DVec3, u32)> {
+        let point = self.at(t);
+        let ahead = point + self.direction * (2.0 * NEAR);
+        let mut best: Option<(u32, (bool, f64, bool))> = None;
+        for &index in self.prisms.listed(point) {
+            let cell = &self.prisms.cells[index as usize];
+            let outside = self.prisms.outside(cell, point);
+            if cell.kind != CellRecord::AIR || outside > margin {
+                continue;
+            }
+            let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
+            let rank = (index != hint, if outside <= NEAR { 0.0 } else { outside }, is_left);
+            if best.is_none_or(|(_, least)| rank < least) {
+                best = Some((index, rank));
+            }
+        }
+        let (index, _) = best?;
+        let way = self.prisms.way_into(&self.prisms.cells[index as usize], point, clear);
+        (way.length() <= 2.0 * margin).then_some((way, index))
     }
 }
