@@ -111,3 +111,23 @@ fn explore() {
         );
     }
 }
+
+#[test]
+fn one() {
+    let Ok(spec) = std::env::var("ONE") else { return };
+    let v: Vec<f64> = spec.split(',').map(|x| x.trim().parse().unwrap()).collect();
+    let (_, style) = styles()[v[0] as usize];
+    let made = make(&mut Random(v[1] as u64 * 77 + 1), &style);
+    let roles = roles(&made.model, Untagged::default());
+    let truth = Truth::new(&made.model, |e| roles[e.0 as usize], &TruthOptions::default());
+    let ray = Ray::new([v[2], v[3], v[4]], [v[5], v[6], v[7]]);
+    let (mine, whole) = (compiled(&made), compile(&made.model, &CompileOptions::default()).unwrap().scene());
+    for scene in [&whole, &mine] {
+        let a = scene.trace(&ray);
+        println!("{a:?}\n  {:?}", truth.judge(&ray, &a));
+        println!("  cost {:?}", scene.trace_cost_from(Start::Anywhere, &ray, Want::default()).1);
+        if let Answer::Hit(h) = a {
+            println!("  corners {:?}", scene.triangle(h.triangle));
+        }
+    }
+}

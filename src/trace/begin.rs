@@ -8,6 +8,8 @@
 //! - From an origin *inside* a solid, the stretches between the surfaces that the ray meets within the tolerance are
 //!   looked at one by one: it begins in the first that is air. If none is, it starts inside a solid. Surfaces that
 //!   touch, a table's foot on the floor, are passed together.
+//! - An origin in matter by the cells, farther than the tolerance from all their air, lies in a crack of the model, where
+//!   solids are meant to touch: it starts inside a solid, if one is within the tolerance.
 
 use glam::DVec3;
 
@@ -109,6 +111,14 @@ impl Scene {
             passed = next.t;
         }
         None
+    }
+
+    /// A solid that holds a point within the tolerance of `point`.
+    #[cold]
+    pub(super) fn solid_around(&self, point: DVec3) -> Option<u32> {
+        let ways = ASIDE.iter().flat_map(|&way| [way, -way]);
+        let near = ways.flat_map(|way| [1.0 / 64.0, 0.5].map(|share| way * (share * self.tolerance())));
+        std::iter::once(DVec3::ZERO).chain(near).find_map(|way| self.solid_at((point + way).to_array()))
     }
 
     /// The solid that holds `point`, or, where it lies between solids that touch, one of them.

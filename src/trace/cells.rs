@@ -16,10 +16,12 @@
 //! - *A hit is the nearest.* A cell's detail is all triangles that come within a margin of it; a hit counts up to
 //!   where the ray leaves the cell, and [`NEAR`] farther, which the margin covers.
 
+use glam::DVec3;
+
 use super::NONE;
 use super::begin::{ASIDE, aside};
 use super::kernel::Probe;
-use super::meet::Surfaces;
+use super::meet::{Nearly, Surfaces, is_near};
 use super::path::{Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
@@ -34,10 +36,20 @@ const AROUND: u32 = 0;
 pub(super) struct Ended {
     pub(super) found: Found,
     pub(super) cell: u32,
+    /// The ray starts in a prism of matter, no air within the tolerance.
+    pub(super) in_matter: bool,
 }
 
-/// The walk lost its way.
-struct Lost;
+/// Why a walk ended without an answer.
+enum Lost {
+    /// It lost its way.
+    Astray,
+    /// It passes along matter, into which rounding has brought it: it must begin again so far aside.
+    Along(DVec3),
+}
+
+/// Walks that pass along matter are begun again so often.
+const MOST_ASIDE: usize = 8;
 
 /// What the ray meets first, `hint` being the cell where it may start.
 #[inline]
@@ -52,22 +64,29 @@ pub(super) fn nearest<P: Probe>(
     let mut query = line.query(tables, surface);
     if tables.cells.len() == 1 {
         query.aim(tables.cells[0].root, line.tmax);
-        return Ended { found: probe.first(&walk, &query), cell: AROUND };
+        return Ended { found: probe.first(&walk, &query), cell: AROUND, in_matter: false };
     }
     let mut ray = Crossing::new(tables, line, walk, query, probe);
-    match ray.run(hint) {
-        Ok(ended) => ended,
-        Err(Lost) => again(tables, line, surface, probe),
+    let mut way = DVec3::ZERO;
+    for _ in 0..=MOST_ASIDE {
+        match ray.run(hint) {
+            Ok(ended) => return ended,
+            Err(Lost::Along(push)) => {
+                way += push;
+                ray.begin(line, way);
+            }
+            Err(Lost::Astray) => break,
+        }
     }
+    again(tables, line, surface, probe)
 }
 
 /// The same a nanometre aside: the first way that leads to an answer.
 #[cold]
 fn again<P: Probe>(tables: &Views, line: &Line, surface: Option<Surface>, probe: &mut P) -> Ended {
     let step = aside(line.origin + line.direction * line.start);
-    for way in ASIDE {
+    for way in ASIDE.map(|way| way * step) {
         probe.restart();
-        let way = way * step;
         let aside = Line { origin: line.origin + way, ..*line };
         let query = aside.query(tables, surface);
         let mut ray = Crossing::new(tables, &aside, Walk::new(tables), query, probe);
@@ -77,7 +96,7 @@ fn again<P: Probe>(tables: &Views, line: &Line, surface: Option<Surface>, probe:
             return ended;
         }
     }
-    Ended { found: Found { t: line.tmax, triangle: NONE }, cell: AROUND }
+    Ended { found: Found { t: line.tmax, triangle: NONE }, cell: AROUND, in_matter: false }
 }
 
 /// A ray under way.
@@ -89,6 +108,10 @@ struct Crossing<'a, 'p, P> {
     /// Where it starts, and where it ends at the latest.
     first: f64,
     limit: f64,
+    /// How far from matter rounding cannot reach, metres.
+    clear: f64,
+    /// How far the path was moved aside, metres.
+    aside: f64,
     probe: &'p mut P,
 }
 
@@ -96,14 +119,23 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     #[inline]
     fn new(tables: &'a Views, line: &Line, walk: Walk<'a>, query: Query, probe: &'p mut P) -> Self {
         let path = Path::new(Prisms::new(tables), line.origin, line.direction, line.start);
+        let surfaces = Surfaces::new(tables);
+        let clear = path.prisms.clear.min(surfaces.tolerance / 4.0);
         let first = line.tmin.max(line.start);
-        Crossing { walk, path, surfaces: Surfaces::new(tables), query, first, limit: line.tmax, probe }
+        Crossing { walk, path, surfaces, query, first, limit: line.tmax, clear, aside: 0.0, probe }
+    }
+
+    /// Makes the path one that is `way` aside.
+    #[cold]
+    fn begin(&mut self, line: &Line, way: DVec3) {
+        self.path = Path::new(self.path.prisms, line.origin, line.direction, line.start).moved(way);
+        self.aside = way.length();
     }
 
     /// The prism in which the ray starts, its path moved aside where needed.
     #[inline]
     fn start(&mut self, hint: u32) -> Result<u32, Lost> {
-        let clear = self.path.prisms.clear.min(self.surfaces.tolerance / 4.0);
+        let clear = self.clear;
         if self.path.is_clear_in(hint, self.first, clear) {
             return Ok(hint);
         }
@@ -124,7 +156,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
                 return Ok(cell);
             }
         }
-        found.ok_or(Lost)
+        found.ok_or(Lost::Astray)
     }
 
     /// What it meets first.
@@ -132,6 +164,8 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         let inside = self.path.prisms.hold(self.path.at(self.first));
         let mut cell = if inside { self.start(hint)? } else { AROUND };
         let cells = self.path.prisms.cells;
+        let in_matter = cells[cell as usize].kind == CellRecord::SOLID;
+        let nothing = Found { t: self.limit, triangle: NONE };
         let mut outside = !inside;
         // Each cell once, and around them before and after.
         for _ in 0..cells.len() + 2 {
@@ -141,35 +175,31 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
                     let entry = if outside { self.entry() } else { None };
                     outside = false;
                     match (self.around(record, entry), entry) {
-                        (Some(found), _) => return Ok(Ended { found, cell }),
-                        (None, Some((t, cell))) => Exit { t, cell, source: NONE },
-                        (None, None) => return Ok(self.nothing()),
+                        (Some(found), _) => return Ok(Ended { found, cell, in_matter }),
+                        (None, Some((t, cell))) => Exit::into_zone(t, cell),
+                        (None, None) => return Ok(Ended { found: nothing, cell, in_matter }),
                     }
                 }
                 kind => {
                     self.probe.cell();
-                    let exit = self.path.leave(record).ok_or(Lost)?;
+                    let exit = self.path.leave(record).ok_or(Lost::Astray)?;
                     let best = if kind == CellRecord::AIR {
-                        self.at_face(record, &exit)
+                        self.at_face(record, &exit)?
                     } else {
-                        self.beside(record, exit.t)
+                        self.in_matter(record, exit.t)
                     };
                     if let Some(found) = self.with_detail(record, &exit, best) {
-                        return Ok(Ended { found, cell });
+                        return Ok(Ended { found, cell, in_matter });
                     }
                     exit
                 }
             };
             if exit.t > self.limit {
-                return Ok(self.nothing());
+                return Ok(Ended { found: nothing, cell, in_matter });
             }
             cell = exit.cell;
         }
-        Err(Lost)
-    }
-
-    fn nothing(&self) -> Ended {
-        Ended { found: Found { t: self.limit, triangle: NONE }, cell: AROUND }
+        Err(Lost::Astray)
     }
 
     /// Where the ray comes to the prisms, and which it enters.
@@ -200,29 +230,54 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
 
     /// What the ray meets where it leaves a prism of air, if there is matter.
     #[inline]
-    fn at_face(&mut self, record: &CellRecord, exit: &Exit) -> Option<Found> {
+    fn at_face(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Lost> {
         if exit.source == NONE || self.path.prisms.cells[exit.cell as usize].kind != CellRecord::SOLID {
-            return None;
+            return Ok(None);
         }
         let mut best = Found { t: self.limit, triangle: NONE };
-        self.surfaces.meet(exit.source, &self.walk, &mut self.query, &mut best, self.probe);
-        if self.surfaces.is_near(&best, exit.t, &self.walk, &self.query) {
-            return Some(best);
-        }
-        self.beside(record, exit.t).or_else(|| {
-            let at = (exit.t, self.path.at(exit.t) + self.path.prisms.origin);
-            self.surfaces.nearly_met(exit.source, at, self.limit, &self.walk, &self.query)
-        })
+        self.meet_near(exit.source, exit.t, &mut best);
+        if best.triangle != NONE { Ok(Some(best)) } else { self.missed(record, exit) }
     }
 
-    /// What the ray meets of all the cell's surface, up to where it leaves the cell.
+    /// Makes `best` what the ray meets of a source near a face, if that is nearer.
+    #[inline]
+    fn meet_near(&mut self, source: u32, t: f64, best: &mut Found) {
+        let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
+        let takes = |found: &Found, query: &Query| is_near(found, t, tolerance, walk, query);
+        self.surfaces.meet(source, walk, &mut self.query, best, self.probe, takes);
+    }
+
+    /// What the ray meets near a face whose own triangles it misses.
     #[cold]
-    fn beside(&mut self, record: &CellRecord, t: f64) -> Option<Found> {
+    fn missed(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Lost> {
         let mut best = Found { t: self.limit, triangle: NONE };
         for source in self.path.prisms.sources_of(record) {
-            self.surfaces.meet(source, &self.walk, &mut self.query, &mut best, self.probe);
+            self.meet_near(source, exit.t, &mut best);
         }
-        self.surfaces.is_near(&best, t, &self.walk, &self.query).then_some(best)
+        if best.triangle != NONE {
+            return Ok(Some(best));
+        }
+        let at = (exit.t, self.path.at(exit.t) + self.path.prisms.origin);
+        match self.surfaces.nearly_met(exit.source, at, self.limit, &self.walk, &self.query) {
+            Nearly::Met(found) => Ok(Some(found)),
+            Nearly::Grazed(_) if self.aside + self.clear < self.surfaces.tolerance => {
+                Err(Lost::Along(self.path.normal(record, exit) * -self.clear))
+            }
+            Nearly::Grazed(found) => Ok(Some(found)),
+            Nearly::Nothing => Ok(None),
+        }
+    }
+
+    /// What the ray meets from within of the surface of a prism of matter, up to where it leaves it.
+    #[cold]
+    fn in_matter(&mut self, record: &CellRecord, t: f64) -> Option<Found> {
+        let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
+        let takes = |found: &Found, query: &Query| found.t <= t || is_near(found, t, tolerance, walk, query);
+        let mut best = Found { t: self.limit, triangle: NONE };
+        for source in self.path.prisms.sources_of(record) {
+            self.surfaces.meet(source, walk, &mut self.query, &mut best, self.probe, takes);
+        }
+        (best.triangle != NONE).then_some(best)
     }
 
     /// The nearer of `best` and the detail of the cell, if there is any.

@@ -3,7 +3,9 @@
 //! Cells are rounded to the lattice, and so is where a ray leaves them. What it meets, and where, is said by the
 //! triangles that stand behind the face, tested as detail is. Near an edge the ray may pass the face and miss the
 //! triangles by a hair: then by those of the cell's other faces; then by the nearest triangle behind the face: the
-//! cells are closed where the model has cracks, and a parallel ray less than the tolerance aside meets it.
+//! cells are closed where the model has cracks, and a parallel ray less than the tolerance aside meets it. Where the ray
+//! runs along that triangle, on which side of it is for the triangles to say, not for the rounded cell: the walk is
+//! begun again a little farther from the matter.
 
 use glam::DVec3;
 
@@ -45,7 +47,7 @@ impl<'a> Surfaces<'a> {
         &self.triangles[source.first as usize..(source.first + source.count) as usize]
     }
 
-    /// Makes `best` the nearest triangle of `source` that the ray meets, if that is nearer.
+    /// Makes `best` the nearest triangle of `source` that the ray meets and `takes`, if that is nearer.
     #[inline]
     pub(super) fn meet<P: Probe>(
         &mut self,
@@ -54,6 +56,7 @@ impl<'a> Surfaces<'a> {
         query: &mut Query,
         best: &mut Found,
         probe: &mut P,
+        takes: impl Fn(&Found, &Query) -> bool,
     ) {
         let source = self.sources[source as usize];
         if self.left < source.count.min(SourceRecord::FEW) {
@@ -61,30 +64,51 @@ impl<'a> Surfaces<'a> {
         }
         self.left -= source.count.min(SourceRecord::FEW);
         if source.root != NONE {
-            query.aim(source.root, best.t);
-            let found = probe.nearest(walk, query);
-            if found.triangle != NONE && (found.t, found.triangle) < (best.t, best.triangle) {
-                *best = found;
-            }
+            self.meet_many(source.root, walk, query, best, probe, takes);
             return;
         }
         for &triangle in self.triangles_of(&source) {
             probe.test();
-            query.test(walk, triangle, best);
+            let mut found = *best;
+            if query.test(walk, triangle, &mut found) && takes(&found, query) {
+                *best = found;
+            }
         }
     }
 
-    /// Whether a hit lies at most the tolerance behind a face that the ray passes at `t`, across the triangle.
-    pub(super) fn is_near(&self, found: &Found, t: f64, walk: &Walk<'_>, query: &Query) -> bool {
-        found.triangle != NONE
-            && (found.t <= t + NEAR || {
-                let normal = normal(walk.corners(found.triangle));
-                ((found.t - t) * normal.dot(query.direction)).abs() <= self.tolerance
-            })
+    /// The same for a source with a hierarchy: hits that are not taken are passed.
+    #[cold]
+    fn meet_many<P: Probe>(
+        &mut self,
+        root: u32,
+        walk: &Walk<'_>,
+        query: &mut Query,
+        best: &mut Found,
+        probe: &mut P,
+        takes: impl Fn(&Found, &Query) -> bool,
+    ) {
+        /// More surfaces of one source on a ray are not told apart.
+        const MOST_PASSED: usize = 16;
+        let tmin = query.tmin;
+        for _ in 0..MOST_PASSED {
+            query.aim(root, best.t);
+            let found = probe.nearest(walk, query);
+            if found.triangle == NONE {
+                break;
+            }
+            if takes(&found, query) {
+                if (found.t, found.triangle) < (best.t, best.triangle) {
+                    *best = found;
+                }
+                break;
+            }
+            query.tmin = found.t.max(query.tmin).next_up();
+        }
+        query.tmin = tmin;
     }
 
     /// The triangle of `source` that is nearest to `point`, where the ray passes a face at `t`, if that is within the
-    /// tolerance; met at its plane, or at the face if the plane is farther, but not after `limit`.
+    /// tolerance, and whose plane the ray crosses near there, but not after `limit`.
     #[cold]
     pub(super) fn nearly_met(
         &mut self,
@@ -93,33 +117,56 @@ impl<'a> Surfaces<'a> {
         limit: f64,
         walk: &Walk<'_>,
         query: &Query,
-    ) -> Option<Found> {
+    ) -> Nearly {
         let source = self.sources[source as usize];
-        self.left = self.left.checked_sub(source.count)?;
+        let Some(left) = self.left.checked_sub(source.count) else { return Nearly::Nothing };
+        self.left = left;
         let mut best: Option<(Found, f64)> = None;
+        let mut grazed: Option<(Found, f64)> = None;
         for &triangle in self.triangles_of(&source) {
             let corners = walk.corners(triangle);
             let normal = normal(corners);
             let height = normal.dot(point - corners[0]);
             let off = distance(corners, point - normal * height).hypot(height);
-            if off > self.tolerance || best.is_some_and(|(_, least)| off >= least) {
-                continue;
-            }
             let starts_on_it = query.surface.as_ref().is_some_and(|surface| {
                 normal.dot(corners[0] - query.origin).abs() <= self.tolerance
                     && normal.dot(surface.normal).abs() >= 1.0 - ALIKE
             });
-            if starts_on_it {
+            if starts_on_it || off > self.tolerance {
                 continue;
             }
             let crossing = normal.dot(corners[0] - query.origin) / normal.dot(query.direction);
             // Along the plane there is no crossing, or far away.
-            let t = if (crossing - t).abs() <= self.tolerance { crossing } else { t };
-            if t <= limit {
-                best = Some((Found { t: t.max(query.tmin), triangle }, off));
+            let is_crossed = (crossing - t).abs() <= self.tolerance;
+            let found = Found { t: if is_crossed { crossing } else { t }.max(query.tmin), triangle };
+            let nearest = if is_crossed { &mut best } else { &mut grazed };
+            if found.t <= limit && nearest.is_none_or(|(_, least)| off < least) {
+                *nearest = Some((found, off));
             }
         }
-        best.map(|(found, _)| found)
+        match (best, grazed) {
+            (Some((found, _)), _) => Nearly::Met(found),
+            (None, Some((found, _))) => Nearly::Grazed(found),
+            (None, None) => Nearly::Nothing,
+        }
+    }
+}
+
+/// What [`Surfaces::nearly_met`] found.
+pub(super) enum Nearly {
+    /// A triangle that a ray hardly aside meets.
+    Met(Found),
+    /// A triangle that the ray passes along.
+    Grazed(Found),
+    /// No triangle is near.
+    Nothing,
+}
+
+/// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle.
+pub(super) fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query) -> bool {
+    (found.t - t).abs() <= NEAR || {
+        let normal = normal(walk.corners(found.triangle));
+        ((found.t - t) * normal.dot(query.direction)).abs() <= tolerance
     }
 }
 

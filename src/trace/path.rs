@@ -26,6 +26,26 @@ pub(super) struct Exit {
     pub(super) cell: u32,
     /// What may be met there, or [`NONE`].
     pub(super) source: u32,
+    /// Through which of the cell's planes.
+    through: Through,
+}
+
+/// A plane of a prism.
+#[derive(Clone, Copy, Debug)]
+enum Through {
+    Floor,
+    Ceiling,
+    /// The side with this index, of all sides.
+    Side(u32),
+    /// From outside of all prisms.
+    Air,
+}
+
+impl Exit {
+    /// Into a prism, from outside of all.
+    pub(super) fn into_zone(t: f64, cell: u32) -> Exit {
+        Exit { t, cell, source: NONE, through: Through::Air }
+    }
 }
 
 /// The prisms of a scene.
@@ -266,7 +286,7 @@ impl<'a> Path<'a> {
         let span = self.plan.span(sides);
         let (side, t) = match (self.plan.vertical, span) {
             (true, _) => (None, f64::INFINITY),
-            (false, Some(span)) => (Some(&sides[span.side]), span.leave),
+            (false, Some(span)) => (Some(span.side), span.leave),
             (false, None) => return None,
         };
         let (floor, floor_grows) = self.over(cell.floor);
@@ -277,16 +297,17 @@ impl<'a> Path<'a> {
             let (t_down, t_up) = (-floor / floor_grows, -ceiling / ceiling_grows);
             let first = cell.first_cover as usize;
             let middle = first + cell.below as usize;
-            let (t, covers) = if down && !(up && t_up < t_down) {
-                (t_down, &self.prisms.covers[first..middle])
+            let (t, covers, through) = if down && !(up && t_up < t_down) {
+                (t_down, &self.prisms.covers[first..middle], Through::Floor)
             } else {
-                (t_up, &self.prisms.covers[middle..middle + cell.above as usize])
+                (t_up, &self.prisms.covers[middle..middle + cell.above as usize], Through::Ceiling)
             };
             let cover = self.cover(covers, t)?;
-            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source });
+            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source, through });
         }
         // Vertical, and its planes say neither up nor down: no prism.
-        let side = side?;
+        let index = side?;
+        let side = &sides[index];
         let first = side.first_face as usize;
         let faces = &self.prisms.faces[first..first + side.faces as usize];
         let (last, others) = faces.split_last()?;
@@ -297,7 +318,28 @@ impl<'a> Path<'a> {
             }
         };
         let face = others.iter().find(is_below).unwrap_or(last);
-        Some(Exit { t: t + self.start, cell: face.cell, source: face.source })
+        let through = Through::Side(cell.first_side + index as u32);
+        Some(Exit { t: t + self.start, cell: face.cell, source: face.source, through })
+    }
+
+    /// The unit normal of the plane through which the ray leaves a prism, outward.
+    pub(super) fn normal(&self, cell: &CellRecord, exit: &Exit) -> DVec3 {
+        let sides = self.prisms.sides_of(cell);
+        let of_plane = |plane: u32| {
+            let [p, q] = self.prisms.planes[plane as usize].slope;
+            DVec3::new(-p, -q, 1.0)
+        };
+        let normal = match exit.through {
+            Through::Floor => -of_plane(cell.floor),
+            Through::Ceiling => of_plane(cell.ceiling),
+            Through::Side(index) => {
+                let i = (index - cell.first_side) as usize;
+                let [a, b] = [i, (i + 1) % sides.len()].map(|i| sides[i].start.map(f64::from));
+                DVec3::new(b[1] - a[1], a[0] - b[0], 0.0)
+            }
+            Through::Air => DVec3::ZERO,
+        };
+        normal.normalize_or_zero()
     }
 
     /// The part of a floor or ceiling that the ray passes, `t` from its start: the one whose cell's footprint the line

@@ -119,6 +119,12 @@ impl Scene {
                 }
             }
         }
+        if ended.in_matter
+            && matches!(start, Start::Anywhere)
+            && let Some(element) = self.solid_around(line.origin + line.direction * line.tmin)
+        {
+            return Hit::in_solid(element, tables.elements[element as usize].semantic);
+        }
         if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
     }
 
@@ -130,11 +136,13 @@ impl Scene {
         if self.may_start_in_solid(&line) {
             return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        nearest(&self.tables, &line, None, NONE, &mut Plain::<true>(self.kernel)).found.triangle != NONE
+        let ended = nearest(&self.tables, &line, None, NONE, &mut Plain::<true>(self.kernel));
+        ended.found.triangle != NONE
+            || (ended.in_matter && self.solid_around(line.origin + line.direction * line.tmin).is_some())
     }
 
     #[inline]
-    fn describe(&self, line: &Line, Ended { found, cell }: Ended, want: Want) -> Hit {
+    fn describe(&self, line: &Line, Ended { found, cell, .. }: Ended, want: Want) -> Hit {
         let record = &self.tables.triangles[found.triangle as usize];
         let [a, b, c] = each(record.vertices, |v| DVec3::from(self.tables.vertices[v as usize]));
         let normal = (b - a).cross(c - a);
