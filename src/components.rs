@@ -121,7 +121,7 @@ fn different(mesh: &Mesh, triangles: Vec<u32>) -> Vec<u32> {
 }
 
 /// The triangle's corners with the least one first, order kept: equal for equal triangles of equal side.
-fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
     } else if b <= a && b <= c {

@@ -8,17 +8,42 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 
-use crate::format::MAX_DEPTH;
 use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord};
+use crate::format::{MAX_DEPTH, Tables};
 use crate::trace::NONE;
 
-/// Nodes and blocks of one hierarchy; node 0 is the root.
+/// Nodes and blocks of one hierarchy; node 0 is the root, or if there is none block 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<NodeRecord>,
     pub(super) blocks: Vec<BlockRecord>,
     /// Longest chain of nodes.
     pub(super) depth: u32,
+}
+
+impl Hierarchy {
+    /// Adds it to a scene's tables, `ids` being the scene's triangles that it was built over. Returns its root, [`NONE`] if
+    /// it is empty.
+    pub(super) fn append(self, ids: &[u32], tables: &mut Tables) -> u32 {
+        let (nodes, blocks) = (tables.nodes.len() as u32, tables.blocks.len() as u32);
+        let root = match (self.nodes.is_empty(), self.blocks.is_empty()) {
+            (false, _) => nodes,
+            (true, false) => blocks | BLOCK_BIT,
+            (true, true) => NONE,
+        };
+        let is_some = |link: &&mut u32| **link != NONE;
+        tables.nodes.extend(self.nodes.into_iter().map(|mut node| {
+            node.child.iter_mut().filter(is_some).for_each(|child| {
+                *child += if *child & BLOCK_BIT != 0 { blocks } else { nodes };
+            });
+            node
+        }));
+        tables.blocks.extend(self.blocks.into_iter().map(|mut block| {
+            block.triangle.iter_mut().filter(is_some).for_each(|t| *t = ids[*t as usize]);
+            block
+        }));
+        root
+    }
 }
 
 /// Lanes that hold nothing: every comparison with NaN is false.
@@ -43,6 +68,11 @@ pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -
         return Hierarchy::default();
     }
     let center = DVec3::from(center);
+    if triangles.len() <= LANES {
+        let members: Vec<u32> = (0..triangles.len() as u32).collect();
+        let blocks = vec![block(&members, triangles, center)];
+        return Hierarchy { blocks, ..Hierarchy::default() };
+    }
     let corners = |t: usize| triangles[t].map(|p| (DVec3::from(p) - center).as_vec3a());
     let rounded: Vec<Triangle> = (0..triangles.len())
         .map(|t| {
@@ -227,20 +257,26 @@ impl Collapse<'_> {
         members.sort_unstable();
         // A triangle that was split may have come together again.
         members.dedup();
-        let mut block = EMPTY;
-        for (lane, &t) in members.iter().enumerate() {
-            let [a, b, c] = self.triangles[t as usize].map(DVec3::from);
-            let [corner, edge1, edge2] = [a - self.center, b - a, c - a].map(|v| v.as_vec3());
-            for axis in 0..3 {
-                block.corner[axis][lane] = corner[axis];
-                block.edge1[axis][lane] = edge1[axis];
-                block.edge2[axis][lane] = edge2[axis];
-            }
-            block.triangle[lane] = t;
-        }
+        let block = block(&members, self.triangles, self.center);
         self.out.blocks.push(block);
         (self.out.blocks.len() as u32 - 1) | BLOCK_BIT
     }
+}
+
+/// A block of up to eight triangles.
+fn block(members: &[u32], triangles: &[[[f64; 3]; 3]], center: DVec3) -> BlockRecord {
+    let mut block = EMPTY;
+    for (lane, &t) in members.iter().enumerate() {
+        let [a, b, c] = triangles[t as usize].map(DVec3::from);
+        let [corner, edge1, edge2] = [a - center, b - a, c - a].map(|v| v.as_vec3());
+        for axis in 0..3 {
+            block.corner[axis][lane] = corner[axis];
+            block.edge1[axis][lane] = edge1[axis];
+            block.edge2[axis][lane] = edge2[axis];
+        }
+        block.triangle[lane] = t;
+    }
+    block
 }
 
 fn empty_node() -> NodeRecord {

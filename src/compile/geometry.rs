@@ -1,9 +1,11 @@
 //! Vertices, triangles and closed volumes: which triangles rays can meet, which only label air.
 
+use std::collections::HashMap;
+
 use enfilade_importers::{Element, Model, Role, Untagged};
 
 use super::outward::{Outward, turn_outward};
-use crate::components::{Component, components};
+use crate::components::{Component, components, rotated};
 use crate::format::Tables;
 use crate::format::records::{TriangleRecord, VolumeRecord};
 use crate::roles::{asked_role, component_role};
@@ -39,6 +41,9 @@ pub(super) struct Gathered {
     pub(super) solids: u64,
     /// Components of solid elements that are open, and so stay detail.
     pub(super) open_solids: u64,
+    /// The scene's triangles of each element, by their index in its mesh; of doubled ones the one that was kept, or
+    /// [`NONE`].
+    pub(super) index: Vec<Vec<u32>>,
 }
 
 impl Gathered {
@@ -80,6 +85,7 @@ fn part(element: &Element, untagged: Untagged) -> Part {
 /// Fills the sections `vertices`, `triangles` and `volumes`. Rooms are not known yet.
 pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gathered {
     let mut gathered = Gathered::default();
+    gathered.index = model.elements.iter().map(|e| vec![NONE; e.mesh.triangles.len()]).collect();
     let mut index = vec![NONE; model.elements.iter().map(|e| e.mesh.positions.len()).max().unwrap_or(0)];
     for labels in [false, true] {
         for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {
@@ -88,7 +94,13 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
                 let doubled = part.pieces.iter().map(|piece| u64::from(piece.component.doubled));
                 gathered.doubled_triangles += doubled.sum::<u64>();
             }
-            let mut writer = Writer { element, number: e as u32, index: &mut index, tables };
+            let mut writer = Writer {
+                element,
+                number: e as u32,
+                index: &mut index,
+                places: &mut gathered.index[e],
+                tables,
+            };
             writer.index[..element.mesh.positions.len()].fill(NONE);
             let pieces = || part.pieces.iter().filter(|piece| (piece.role == Role::Air) == labels);
             // What is closed first. The shells that agree bound a volume together, each other one by itself.
@@ -118,7 +130,25 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
             gathered.detail_triangles = tables.triangles.len() as u32;
         }
     }
+    for ((element, part), index) in model.elements.iter().zip(parts).zip(&mut gathered.index) {
+        if part.pieces.iter().any(|piece| piece.component.doubled > 0) {
+            name_doubled(&element.mesh.triangles, index);
+        }
+    }
     gathered
+}
+
+/// Gives doubled triangles the place of the one that was kept.
+fn name_doubled(triangles: &[[u32; 3]], index: &mut [u32]) {
+    let kept: HashMap<[u32; 3], u32> = triangles
+        .iter()
+        .zip(&*index)
+        .filter(|&(_, &place)| place != NONE)
+        .map(|(&corners, &place)| (rotated(corners), place))
+        .collect();
+    for (&corners, place) in triangles.iter().zip(index).filter(|(_, place)| **place == NONE) {
+        *place = kept.get(&rotated(corners)).copied().unwrap_or(NONE);
+    }
 }
 
 /// Writes one element into the tables.
@@ -127,6 +157,8 @@ struct Writer<'a> {
     number: u32,
     /// The vertices written of the element's, by their index in its mesh.
     index: &'a mut [u32],
+    /// The scene's triangle of each of the element's.
+    places: &'a mut [u32],
     tables: &'a mut Tables,
 }
 
@@ -179,6 +211,7 @@ impl Writer<'_> {
                 }
                 *slot
             });
+            self.places[t as usize] = self.tables.triangles.len() as u32;
             let material = mesh.materials[t as usize].0;
             self.tables.triangles.push(TriangleRecord { vertices, element: self.number, material, volume });
         }

@@ -1,26 +1,30 @@
 //! From a [`Model`] to a scene.
 //!
-//! Until the partition of space exists, a compiled scene has one cell, the hull, and every triangle that rays can meet
-//! is detail in it: correct, complete, and to be beaten.
+//! The cells of a partition become tables as they are (`prisms`), each with a hierarchy of boxes over its detail (`detail`,
+//! `bvh`). Without a partition a scene has one cell, the hull, and every triangle that rays can meet is detail in it:
+//! correct, complete, and to be beaten.
 
 mod building;
 mod bvh;
+mod cell_grid;
+mod detail;
 mod geometry;
 mod locator;
 pub(crate) mod outward;
+mod prisms;
 mod report;
 
 use std::time::Instant;
 
-use enfilade_importers::{
-    Budget, Cancelled, LightKind, Limits, Model, OverBudget, Semantic, Untagged, UpAxis, Watch,
-};
+use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget, Untagged, UpAxis, Watch};
 
+use self::geometry::Gathered;
 use crate::format::Tables;
 use crate::format::records::{
-    BlockRecord, CameraRecord, CellRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, Traits,
+    BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
     TriangleRecord, VolumeRecord,
 };
+use crate::partition::cells::Partition;
 use crate::scene::Scene;
 use crate::trace::NONE;
 
@@ -87,6 +91,9 @@ pub enum CompileError {
     /// The model has more than the format can count.
     #[error("{0}")]
     TooLarge(String),
+    /// The partition contradicts itself, or does not fit the model.
+    #[error("the partition cannot be used: {0}")]
+    Partition(String),
 }
 
 /// The hull is the box around the model, larger by this on all sides, metres.
@@ -99,6 +106,31 @@ const MARGIN: f64 = 1.0;
 /// # Errors
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
+    match crate::partition::partition(model, options.untagged) {
+        Ok((partition, partitioned)) => {
+            let mut compiled = compile_partition(model, &partition, options)?;
+            compiled.report.add_partition(&partitioned);
+            Ok(compiled)
+        }
+        Err(failed) => {
+            let mut compiled = compile_partition(model, &Partition::whole(), options)?;
+            compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
+            Ok(compiled)
+        }
+    }
+}
+
+/// Compiles `model`, its space being cut into cells by `partition`. The triangles that rays can meet are those of the
+/// partition's sources and its detail; if it has no cells, all.
+///
+/// # Errors
+/// [`CompileError`]; [`CompileError::Partition`] for a partition of another model, or one with wrong indices or with cells
+/// that are no convex prisms. That its cells fill its hull, and that they agree about their neighbours, is not checked.
+pub fn compile_partition(
+    model: &Model,
+    partition: &Partition,
+    options: &CompileOptions,
+) -> Result<Compiled, CompileError> {
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
         return Err(CompileError::Tolerance(options.tolerance));
     }
@@ -110,7 +142,7 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
     run.budget.take_items(
         count,
         // A volume has at least four triangles.
-        3 * 24 + size_of::<TriangleRecord>() + 3 * 16 + size_of::<VolumeRecord>() / 4,
+        3 * 24 + size_of::<TriangleRecord>() + 4 * 16 + size_of::<VolumeRecord>() / 4,
         "the triangles of the scene",
     )?;
 
@@ -119,60 +151,49 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
     let mut gathered = run.stage("geometry", || geometry::gather(model, &parts, &mut tables))?;
     run.stage("building", || building::add(model, &parts, &mut tables))?;
 
-    let bounds = bounds(&tables);
-    let (center, diameter) = middle(bounds);
-    let hull = [bounds[0].map(|c| c - MARGIN), bounds[1].map(|c| c + MARGIN)];
-    let slack = bvh::slack(diameter / 2.0 + 2.0 * MARGIN, diameter + 4.0 * MARGIN);
-    let detail = gathered.detail_triangles as usize;
-
-    run.budget.take_items(
-        detail as u64,
-        2 * 160 + size_of::<BlockRecord>() / 2 + size_of::<NodeRecord>() / 8,
-        "the hierarchy of boxes",
-    )?;
-    let hierarchy = run.stage("hierarchy", || {
-        let corners: Vec<[[f64; 3]; 3]> = tables.triangles[..detail]
-            .iter()
-            .map(|t| t.vertices.map(|v| tables.vertices[v as usize]))
-            .collect();
-        bvh::build(&corners, center, slack)
-    })?;
-    let depth = hierarchy.depth;
-    tables.nodes = hierarchy.nodes;
-    tables.blocks = hierarchy.blocks;
-
-    let locator = run.stage("locator", || {
-        let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
-        locator::build(&tables.volumes, &corners)
-    })?;
-
-    tables.cells.push(CellRecord {
-        bounds: hull,
-        semantic: Semantic::Unknown.number(),
-        room: NONE,
-        root: if tables.nodes.is_empty() { NONE } else { 0 },
-        reserved: 0,
-    });
-    add_looks(model, &mut tables);
+    let zone = prisms::zone(partition);
+    if !prisms::is_lattice(&partition.lattice) {
+        return Err(CompileError::Partition("its lattice is none".to_owned()));
+    }
+    let hull = hull(&tables, partition, zone);
+    let (center, diameter) = middle(hull);
+    let slack = bvh::slack(diameter / 2.0 + MARGIN, diameter + 2.0 * MARGIN);
     tables.scene.push(SceneRecord {
         unit: model.frame.unit,
         offset: model.frame.offset,
         hull,
         center,
         tolerance: options.tolerance,
-        locator_origin: locator.origin,
-        locator_step: locator.step,
-        locator_dims: locator.dims,
-        up: if model.frame.up == UpAxis::Y { 1 } else { 2 },
-        traits: traits(model, &tables).0,
         detail_triangles: gathered.detail_triangles,
         slack,
-        reserved: 0,
+        up: if model.frame.up == UpAxis::Y { 1 } else { 2 },
+        lattice_bits: partition.lattice.bits,
+        lattice_origin: partition.lattice.origin,
+        lattice_turn: partition.lattice.turn,
+        zone: zone.unwrap_or([center; 2]),
+        ..bytemuck::Zeroable::zeroed()
     });
+    let sloped = run
+        .stage("cells", || prisms::add(model, partition, &gathered, hull, &mut tables))?
+        .map_err(CompileError::Partition)?;
+    let counted = add_detail(&mut run, partition, &gathered, zone, &mut tables)?;
+
+    let locator = run.stage("locator", || {
+        let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
+        locator::build(&tables.volumes, &corners)
+    })?;
+
+    add_looks(model, &mut tables);
+    let traits = traits(model, &tables).0 | sloped.0;
+    let scene = &mut tables.scene[0];
+    scene.traits = traits;
+    scene.locator_origin = locator.origin;
+    scene.locator_step = locator.step;
+    scene.locator_dims = locator.dims;
     tables.locator = locator.starts;
     tables.located = locator.items;
     gathered.count_components(&parts);
-    let mut report = report::make(model, options, &gathered, &tables, depth);
+    let mut report = report::make(model, options, &gathered, &tables, &counted);
     tables.provenance = report.provenance().into_bytes();
     let bytes = run.stage("write", || tables.to_bytes())?;
     report.bytes = bytes.len() as u64;
@@ -200,12 +221,117 @@ impl Run<'_> {
     }
 }
 
-/// The box around all vertices.
-fn bounds(tables: &Tables) -> [[f64; 3]; 2] {
+/// What [`add_detail`] found.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counted {
+    /// Triangles behind faces of cells that are not detail, too.
+    faces: u64,
+    /// Triangles that are detail.
+    detail: u64,
+    /// Longest chain of nodes.
+    depth: u32,
+}
+
+/// Fills the sections `cellgrid`, `gridcells`, `nodes` and `blocks`, and the roots of `cells` and `sources`.
+fn add_detail(
+    run: &mut Run<'_>,
+    partition: &Partition,
+    gathered: &Gathered,
+    zone: Option<[[f64; 3]; 2]>,
+    tables: &mut Tables,
+) -> Result<Counted, CompileError> {
+    let tolerance = run.options.tolerance;
+    // Points are looked up as far aside as the tolerance, and detail is sought twice as far.
+    let grid = run
+        .stage("grid", || cell_grid::build(tables, zone, 2.0 * tolerance))?
+        .map_err(CompileError::TooLarge)?;
+    let mut met = vec![false; gathered.detail_triangles as usize];
+    let mut detail: Vec<u32> = match zone {
+        None => (0..gathered.detail_triangles).collect(),
+        Some(_) => partition
+            .detail
+            .iter()
+            .map(|&triangle| prisms::scene_triangle(gathered, triangle))
+            .collect::<Result<_, _>>()
+            .map_err(CompileError::Partition)?,
+    };
+    detail.sort_unstable();
+    detail.dedup();
+    detail.iter().for_each(|&t| met[t as usize] = true);
+    let mut faces = tables.surfaces.clone();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.retain(|&t| !met[t as usize]);
+
+    let pairs = match zone {
+        None => detail.iter().map(|&t| (0, t)).collect(),
+        Some(zone) => run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance))?,
+    };
+    run.budget.take_items(
+        pairs.len() as u64,
+        2 * 160 + size_of::<BlockRecord>() / 2 + size_of::<NodeRecord>() / 8,
+        "the hierarchies of boxes",
+    )?;
+    let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
+    let depth = run.stage("hierarchy", || {
+        let owned = detail::by_cell(&pairs);
+        let cells = owned.into_iter().map(|(cell, range)| {
+            let ids: Vec<u32> = pairs[range].iter().map(|&(_, triangle)| triangle).collect();
+            (Owner::Cell(cell), ids)
+        });
+        let many = tables.sources.iter().zip(0u32..).filter(|(source, _)| source.count > SourceRecord::FEW);
+        let sources = many.map(|(source, index)| {
+            let first = source.first as usize;
+            (Owner::Source(index), tables.surfaces[first..first + source.count as usize].to_vec())
+        });
+        let jobs: Vec<(Owner, Vec<u32>)> = cells.chain(sources).collect();
+        let build = |(owner, ids): (Owner, Vec<u32>)| {
+            let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
+            let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();
+            (owner, bvh::build(&corners, center, slack), ids)
+        };
+        #[cfg(feature = "rayon")]
+        let built: Vec<_> = {
+            use rayon::prelude::*;
+            jobs.into_par_iter().map(build).collect()
+        };
+        #[cfg(not(feature = "rayon"))]
+        let built: Vec<_> = jobs.into_iter().map(build).collect();
+        let mut depth = 0;
+        for (owner, hierarchy, ids) in built {
+            depth = depth.max(hierarchy.depth);
+            let root = hierarchy.append(&ids, tables);
+            match owner {
+                Owner::Cell(cell) => tables.cells[cell as usize].root = root,
+                Owner::Source(source) => tables.sources[source as usize].root = root,
+            }
+        }
+        depth
+    })?;
+    let scene = &mut tables.scene[0];
+    (scene.grid_step, scene.grid_dims) = (grid.step, grid.dims);
+    (tables.cellgrid, tables.gridcells) = (grid.starts, grid.items);
+    Ok(Counted { faces: faces.len() as u64, detail: detail.len() as u64, depth })
+}
+
+/// What a hierarchy is of.
+enum Owner {
+    Cell(u32),
+    Source(u32),
+}
+
+/// The box around all vertices with a margin, and around the zone of the prisms.
+fn hull(tables: &Tables, partition: &Partition, zone: Option<[[f64; 3]; 2]>) -> [[f64; 3]; 2] {
     let first = tables.vertices.first().copied().unwrap_or([0.0; 3]);
-    tables.vertices.iter().fold([first, first], |[lo, hi], p| {
+    let around = |[lo, hi]: [[f64; 3]; 2], p: &[f64; 3]| {
         [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
-    })
+    };
+    let [lo, hi] = tables.vertices.iter().fold([first, first], around);
+    let corners = zone.iter().flat_map(|_| 0..8).map(|k| {
+        let corner = [0, 1, 2].map(|axis| f64::from(partition.hull[k >> axis & 1][axis]));
+        partition.lattice.metres(corner)
+    });
+    corners.fold([lo.map(|c| c - MARGIN), hi.map(|c| c + MARGIN)], |hull, p| around(hull, &p))
 }
 
 /// The middle of a box and the length of its diagonal.
@@ -275,7 +401,7 @@ fn traits(model: &Model, tables: &Tables) -> Traits {
     storeys.dedup();
     let mut bits = 0;
     let mut set = |bit: u32, on: bool| bits |= if on { bit } else { 0 };
-    set(Traits::DETAIL, !tables.nodes.is_empty());
+    set(Traits::DETAIL, tables.cells.iter().any(|cell| cell.root != NONE));
     set(Traits::GLASS, used(&|m| m.transmission > 0.0 || m.alpha < 1.0));
     set(Traits::MIRRORS, used(&|m| m.metallic > 0.5 && m.roughness < MIRROR_ROUGHNESS));
     set(Traits::LIGHTS, !tables.lights.is_empty());

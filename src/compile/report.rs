@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use enfilade_importers::{Model, Role};
 use serde::Serialize;
 
-use super::CompileOptions;
 use super::geometry::Gathered;
+use super::{CompileOptions, Counted};
 use crate::format::Tables;
 use crate::format::records::Traits;
+use crate::partition::PartitionReport;
 
 /// Report of a compilation, the same as `enfilade compile --json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -54,6 +55,8 @@ pub struct Report {
     pub repairs: Vec<Repair>,
     /// Longest chain of nodes in the hierarchy of boxes.
     pub hierarchy_depth: u32,
+    /// How the space was cut into cells; `None` if it is one cell.
+    pub partition: Option<PartitionReport>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Time of each stage.
@@ -105,6 +108,18 @@ pub struct Stage {
 }
 
 impl Report {
+    /// Adds what cutting the space into cells has done.
+    pub(super) fn add_partition(&mut self, partition: &PartitionReport) {
+        let stages = partition.stages.iter().map(|&(name, seconds)| Stage { name, seconds });
+        self.stages.splice(0..0, stages);
+        self.repairs.push(Repair {
+            what: "points moved in the plan by rounding and straightening",
+            count: partition.columns,
+            largest_displacement: partition.largest_displacement,
+        });
+        self.partition = Some(partition.clone());
+    }
+
     /// What the file itself says about how it was made: no time, path, thread count or machine.
     pub(super) fn provenance(&self) -> String {
         let value = serde_json::json!({
@@ -128,14 +143,20 @@ pub(super) fn make(
     options: &CompileOptions,
     gathered: &Gathered,
     tables: &Tables,
-    depth: u32,
+    counted: &Counted,
 ) -> Report {
     let scene = &tables.scene[0];
     let mut out = vec![
-        Count { what: "detail".to_owned(), count: u64::from(gathered.detail_triangles) },
+        Count { what: "detail".to_owned(), count: counted.detail },
         Count { what: "air labels".to_owned(), count: gathered.label_triangles },
         Count { what: "ignored elements".to_owned(), count: gathered.ignored_triangles },
     ];
+    let cells = &tables.cells[1..];
+    if !cells.is_empty() {
+        out.insert(0, Count { what: "faces of cells".to_owned(), count: counted.faces });
+        let hidden = u64::from(gathered.detail_triangles) - counted.detail - counted.faces;
+        out.push(Count { what: "inside solid matter".to_owned(), count: hidden });
+    }
     if gathered.doubled_triangles > 0 {
         out.push(Count { what: "doubled triangles".to_owned(), count: gathered.doubled_triangles });
     }
@@ -182,7 +203,8 @@ pub(super) fn make(
             count: gathered.turned,
             largest_displacement: 0.0,
         }],
-        hierarchy_depth: depth,
+        hierarchy_depth: counted.depth,
+        partition: None,
         warnings: crate::inspect::warnings(model),
         stages: Vec::new(),
         bytes: 0,

@@ -3,6 +3,7 @@
 
 mod atomic;
 mod container;
+mod prisms;
 pub mod records;
 mod storage;
 mod tables;

@@ -42,6 +42,18 @@ pub struct SceneRecord {
     pub detail_triangles: u32,
     /// Slack of the f32 kernels, metres: boxes are inflated by it, triangles nearer to a ray are tested in f64.
     pub slack: f32,
+    /// Steps of the lattice in a metre are 2 to this power.
+    pub lattice_bits: u32,
+    /// The lattice's origin, internal frame: whole metres.
+    pub lattice_origin: [f64; 3],
+    /// The direction of the lattice's first axis in the internal frame's plan: cosine and sine.
+    pub lattice_turn: [f64; 2],
+    /// The box that the prisms fill, metres along the lattice's axes from its origin; both corners alike if there are none.
+    pub zone: [[f64; 3]; 2],
+    /// Edges of the cubes of the grid over the zone, metres.
+    pub grid_step: [f64; 3],
+    /// Cubes of that grid along x, y and z.
+    pub grid_dims: [u32; 3],
     /// Zero.
     pub reserved: u32,
 }
@@ -136,20 +148,112 @@ pub struct RoomRecord {
     pub closed: u32,
 }
 
-/// Section `cells`. Until a scene is partitioned it has one: the hull.
+/// Section `cells`. The first is what lies around the prisms, each of the others a prism: the points over a convex
+/// footprint, above one plane and below another.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CellRecord {
-    /// Lower and upper corner, metres.
+    /// Lower and upper corner, metres along the lattice's axes from its origin; of the cell around the prisms the
+    /// hull, in the internal frame.
     pub bounds: [[f64; 3]; 2],
-    /// Number of the semantic of its air.
+    /// What it is: [`CellRecord::AROUND`], [`CellRecord::AIR`], [`CellRecord::SOLID`].
+    pub kind: u32,
+    /// Number of the semantic of what fills it.
     pub semantic: u32,
+    /// The element that fills or labels it, or none.
+    pub element: u32,
     /// Its room, or none.
     pub room: u32,
-    /// The node of the section `nodes` at the root of its detail, or none.
+    /// The root of its detail: a node of the section `nodes`, or with the top bit set a block; or none.
+    pub root: u32,
+    /// The plane of its floor, or none.
+    pub floor: u32,
+    /// The plane of its ceiling, or none.
+    pub ceiling: u32,
+    /// First of its sides, which go counter-clockwise around its footprint.
+    pub first_side: u32,
+    /// How many.
+    pub sides: u32,
+    /// First of its covers: those below its floor, then those above its ceiling.
+    pub first_cover: u32,
+    /// How many lie below.
+    pub below: u32,
+    /// How many lie above.
+    pub above: u32,
+}
+
+impl CellRecord {
+    /// All of the hull that is no prism: no convex cell, and the only one of its kind.
+    pub const AROUND: u32 = 0;
+    /// A prism of air.
+    pub const AIR: u32 = 1;
+    /// A prism of matter.
+    pub const SOLID: u32 = 2;
+}
+
+/// Section `sides`: a vertical side of a prism, over the edge of its footprint from here to the next side's start.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SideRecord {
+    /// Where it starts, metres from the lattice's origin: on the lattice, and exact.
+    pub start: [f32; 2],
+    /// First of its faces, from the floor up.
+    pub first_face: u32,
+    /// How many: at least one.
+    pub faces: u32,
+}
+
+/// Section `faces`: a part of a side between two planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FaceRecord {
+    /// The plane at its upper edge; none for the last, which reaches up to the ceiling.
+    pub top: u32,
+    /// The cell beyond.
+    pub cell: u32,
+    /// Between air and matter: what rays meet there, or none.
+    pub source: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Section `covers`: a part of a floor or a ceiling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CoverRecord {
+    /// The cell beyond.
+    pub cell: u32,
+    /// Between air and matter: what rays meet there, or none.
+    pub source: u32,
+}
+
+/// Section `planes`: z = slope . (x, y) + height, metres from the lattice's origin.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PlaneRecord {
+    /// Along x and y.
+    pub slope: [f64; 2],
+    /// Over the lattice's origin, metres.
+    pub height: f64,
+}
+
+/// Section `sources`: the source's own triangles behind faces of prisms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SourceRecord {
+    /// First of its items in the section `surfaces`, which ascend.
+    pub first: u32,
+    /// How many: at least one.
+    pub count: u32,
+    /// The root of a hierarchy over them, as [`CellRecord::root`]; none if they are [`SourceRecord::FEW`] at most.
     pub root: u32,
     /// Zero.
     pub reserved: u32,
+}
+
+impl SourceRecord {
+    /// Up to so many triangles are tested one by one.
+    pub const FEW: u32 = 16;
 }
 
 /// Section `materials`.
@@ -299,10 +403,15 @@ mod tests {
 
     #[test]
     fn sizes_are_those_of_the_format() {
-        assert_eq!(size_of::<SceneRecord>(), 8 + 24 + 48 + 24 + 8 + 24 + 8 + 12 + 5 * 4);
+        assert_eq!(size_of::<SceneRecord>(), 176 + 24 + 48 + 24 + 12 + 4);
         assert_eq!(size_of::<ElementRecord>(), 72);
         assert_eq!(size_of::<RoomRecord>(), 72);
-        assert_eq!(size_of::<CellRecord>(), 64);
+        assert_eq!(size_of::<CellRecord>(), 96);
+        assert_eq!(size_of::<SideRecord>(), 16);
+        assert_eq!(size_of::<FaceRecord>(), 16);
+        assert_eq!(size_of::<CoverRecord>(), 8);
+        assert_eq!(size_of::<PlaneRecord>(), 24);
+        assert_eq!(size_of::<SourceRecord>(), 16);
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);

@@ -9,14 +9,18 @@ use enfilade_importers::{Role, Semantic};
 use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
 use super::records::{
-    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, ElementRecord, LANES, LightRecord, MaterialRecord,
-    NodeRecord, RoomRecord, SceneRecord, Text, Traits, TriangleRecord, VolumeRecord,
+    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
+    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
+    Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
 use crate::trace::NONE;
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
+
+/// The finest lattice's steps in a metre are 2 to this power.
+const MOST_BITS: u32 = 24;
 
 /// Coordinates beyond this, metres, are no building.
 const FARTHEST: f64 = 1e13;
@@ -64,6 +68,22 @@ sections! {
     rooms: RoomRecord;
     /// Cells.
     cells: CellRecord;
+    /// Sides of cells.
+    sides: SideRecord;
+    /// Faces of sides.
+    faces: FaceRecord;
+    /// What lies below floors and above ceilings.
+    covers: CoverRecord;
+    /// Planes of floors, ceilings and faces' upper edges.
+    planes: PlaneRecord;
+    /// What rays meet at faces and covers.
+    sources: SourceRecord;
+    /// Their triangles.
+    surfaces: u32;
+    /// For each cube of the grid over the prisms (x fastest) the first of its items, and the end of the last.
+    cellgrid: u32;
+    /// Prisms that reach into a cube.
+    gridcells: u32;
     /// Materials.
     materials: MaterialRecord;
     /// Lights.
@@ -164,6 +184,7 @@ impl<'a> Check<'a> {
     fn all(&self) -> Result<(), FormatError> {
         self.scene()?;
         self.building()?;
+        super::prisms::check(self.views)?;
         self.looks()?;
         self.triangles()?;
         self.volumes()?;
@@ -188,6 +209,11 @@ impl<'a> Check<'a> {
         check(scene.center.iter().all(|c| within(*c)), "the center is no number")?;
         check(scene.tolerance >= 0.0 && within(scene.tolerance), "the tolerance is no number")?;
         check(scene.slack >= 0.0 && scene.slack.is_finite(), "the slack is no number")?;
+        check(scene.lattice_origin.iter().all(|c| within(*c)), "the lattice's origin is no number")?;
+        let [cos, sin] = scene.lattice_turn;
+        check((cos * cos + sin * sin - 1.0).abs() <= 1e-9, "the lattice is turned by no angle")?;
+        check(scene.lattice_bits <= MOST_BITS, "the lattice is too fine")?;
+        check(is_box(scene.zone), "the zone of the prisms is no box")?;
         check(scene.traits & !Traits::ALL == 0, "unknown traits")
     }
 
@@ -213,15 +239,6 @@ impl<'a> Check<'a> {
             ensure((r.element as usize) < elements, "rooms", i, || format!("element {}", r.element))?;
             ensure(is_box(r.bounds), "rooms", i, || "the bounds are no box".to_owned())?;
             ensure(r.volume.is_finite() && r.floor_area.is_finite(), "rooms", i, || "not finite".to_owned())?;
-        }
-        ensure(!v.cells.is_empty(), "cells", 0, || "there is none".to_owned())?;
-        for (i, c) in v.cells.iter().enumerate() {
-            ensure(is_box(c.bounds), "cells", i, || "the bounds are no box".to_owned())?;
-            ensure(Semantic::from_number(c.semantic).is_some(), "cells", i, || {
-                format!("semantic {}", c.semantic)
-            })?;
-            ensure(optional(c.room, v.rooms.len()), "cells", i, || format!("room {}", c.room))?;
-            ensure(optional(c.root, v.nodes.len()), "cells", i, || format!("node {}", c.root))?;
         }
         Ok(())
     }
@@ -319,12 +336,19 @@ impl<'a> Check<'a> {
     fn hierarchy(&self) -> Result<(), FormatError> {
         let v = self.views;
         let mut depth = vec![0u32; v.nodes.len()];
-        for cell in v.cells.iter().filter(|c| c.root != NONE) {
-            depth[cell.root as usize] = 1;
-        }
         let mut used = vec![false; v.blocks.len()];
+        let cells = v.cells.iter().map(|c| c.root).enumerate().map(|(i, root)| ("cells", i, root));
+        let sources = v.sources.iter().map(|s| s.root).enumerate().map(|(i, root)| ("sources", i, root));
+        for (section, i, root) in cells.chain(sources).filter(|&(_, _, root)| root != NONE) {
+            let fresh = if root & BLOCK_BIT != 0 {
+                used.get_mut((root & !BLOCK_BIT) as usize).is_some_and(|u| !std::mem::replace(u, true))
+            } else {
+                depth.get_mut(root as usize).is_some_and(|d| std::mem::replace(d, 1) == 0)
+            };
+            ensure(fresh, section, i, || format!("root {root:#x} is not there, or not its own"))?;
+        }
         for (i, node) in v.nodes.iter().enumerate() {
-            ensure(depth[i] > 0, "nodes", i, || "no earlier node or cell refers to it".to_owned())?;
+            ensure(depth[i] > 0, "nodes", i, || "no earlier node, cell or source refers to it".to_owned())?;
             ensure(depth[i] <= MAX_DEPTH, "nodes", i, || "nested too deeply".to_owned())?;
             for lane in 0..LANES {
                 let child = node.child[lane];
@@ -366,20 +390,20 @@ impl<'a> Check<'a> {
     }
 }
 
-fn within(c: f64) -> bool {
+pub(super) fn within(c: f64) -> bool {
     c.abs() <= FARTHEST
 }
 
-fn is_box(bounds: [[f64; 3]; 2]) -> bool {
+pub(super) fn is_box(bounds: [[f64; 3]; 2]) -> bool {
     (0..3)
         .all(|axis| within(bounds[0][axis]) && within(bounds[1][axis]) && bounds[0][axis] <= bounds[1][axis])
 }
 
-fn invalid(section: &'static str, item: usize, what: String) -> Result<(), FormatError> {
+pub(super) fn invalid(section: &'static str, item: usize, what: String) -> Result<(), FormatError> {
     Err(FormatError::Invalid { section, item: item as u64, what })
 }
 
-fn ensure(
+pub(super) fn ensure(
     ok: bool,
     section: &'static str,
     item: usize,

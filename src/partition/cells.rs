@@ -110,6 +110,22 @@ pub struct Partition {
 }
 
 impl Partition {
+    /// A partition without cells, for what cannot be partitioned: all that rays can meet is detail of one zone, which
+    /// need not be listed.
+    pub fn whole() -> Partition {
+        Partition {
+            lattice: Lattice { origin: [0.0; 3], turn: [1.0, 0.0], bits: Lattice::FINEST },
+            hull: [[0; 3]; 2],
+            planes: Vec::new(),
+            cells: Vec::new(),
+            sections: Vec::new(),
+            faces: Vec::new(),
+            covers: Vec::new(),
+            sources: Vec::new(),
+            detail: Vec::new(),
+        }
+    }
+
     /// The footprint of a cell, counter-clockwise.
     pub fn footprint(&self, cell: &Cell) -> impl ExactSizeIterator<Item = Point> + Clone {
         self.sections[cell.sections.start as usize..cell.sections.end as usize].iter().map(|s| s.start)

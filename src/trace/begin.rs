@@ -8,12 +8,14 @@
 //! - From an origin *inside* a solid, the stretches between the surfaces that the ray meets within the tolerance are
 //!   looked at one by one: it begins in the first that is air. If none is, it starts inside a solid. Surfaces that
 //!   touch, a table's foot on the floor, are passed together.
+//! - An origin in matter by the cells, farther than the tolerance from all their air, lies in a crack of the model, where
+//!   solids are meant to touch: it starts inside a solid, if one is within the tolerance.
 
 use glam::DVec3;
 
 use super::NONE;
 use super::single::Line;
-use super::walk::{Found, Query};
+use super::walk::Found;
 use crate::scene::Scene;
 
 /// Where a ray begins.
@@ -32,7 +34,7 @@ const TOUCHING: f64 = 1e-9;
 /// Ways to the side of a point, in billionths of a metre for each metre of coordinate: along no plane that buildings
 /// have, into all octants, farther than rounding reaches, and far less than
 /// the tolerance.
-const ASIDE: [DVec3; 7] = [
+pub(super) const ASIDE: [DVec3; 7] = [
     DVec3::new(0.537, 0.683, 0.495),
     DVec3::new(-0.643, 0.461, 0.611),
     DVec3::new(0.479, -0.657, 0.582),
@@ -43,7 +45,7 @@ const ASIDE: [DVec3; 7] = [
 ];
 
 /// The length of a step aside of a point, metres.
-fn aside(point: DVec3) -> f64 {
+pub(super) fn aside(point: DVec3) -> f64 {
     1e-9 * (1.0 + point.abs().max_element())
 }
 
@@ -60,12 +62,7 @@ impl Scene {
     }
 
     /// Where the ray begins, given the first triangle that it meets.
-    pub(super) fn begin(
-        &self,
-        line: &Line,
-        found: Found,
-        nearest: &mut impl FnMut(&Query) -> Found,
-    ) -> Begin {
+    pub(super) fn begin(&self, line: &Line, found: Found, nearest: &mut impl FnMut(&Line) -> Found) -> Begin {
         let start = line.origin + line.direction * line.tmin;
         let step = aside(start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
@@ -93,7 +90,7 @@ impl Scene {
         &self,
         line: &Line,
         first: Found,
-        nearest: &mut impl FnMut(&Query) -> Found,
+        nearest: &mut impl FnMut(&Line) -> Found,
     ) -> Option<Begin> {
         let touching = TOUCHING * (1.0 + line.origin.abs().max_element());
         let end = line.tmin + self.tolerance();
@@ -103,7 +100,7 @@ impl Scene {
         let mut passed = first.t;
         for _ in 0..MOST_SURFACES {
             let rest = Line { tmin: passed + touching, tmax: line.tmax.min(end), ..*line };
-            let next = nearest(&rest.query(&self.tables, None));
+            let next = nearest(&rest);
             let until = if next.triangle == NONE { end } else { next.t };
             if until - passed > touching && is_air(passed, until) {
                 return Some(Begin::At(passed + touching));
@@ -114,6 +111,14 @@ impl Scene {
             passed = next.t;
         }
         None
+    }
+
+    /// A solid that holds a point within the tolerance of `point`.
+    #[cold]
+    pub(super) fn solid_around(&self, point: DVec3) -> Option<u32> {
+        let ways = ASIDE.iter().flat_map(|&way| [way, -way]);
+        let near = ways.flat_map(|way| [1.0 / 64.0, 0.5].map(|share| way * (share * self.tolerance())));
+        std::iter::once(DVec3::ZERO).chain(near).find_map(|way| self.solid_at((point + way).to_array()))
     }
 
     /// The solid that holds `point`, or, where it lies between solids that touch, one of them.

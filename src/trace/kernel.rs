@@ -65,9 +65,49 @@ impl Kernel {
     }
 }
 
-/// The nearest hit, and what it took to find it: on the portable kernel, whose steps are those of all.
-pub(super) fn run_counted(tables: &Walk<'_>, query: &Query) -> (Found, Cost) {
-    let mut cost = Cost::default();
-    let found = walk::<Portable, false>(tables, query, &mut cost);
-    (found, cost)
+/// What runs the walks through hierarchies, and hears of the other steps of a ray.
+pub(super) trait Probe {
+    /// The nearest hit.
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
+    /// The nearest hit, or some hit for who wants to know only whether there is one.
+    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
+    /// A prism was entered.
+    fn cell(&mut self) {}
+    /// A triangle was tested in f64.
+    fn test(&mut self) {}
+    /// A walk from cell to cell lost its way.
+    fn restart(&mut self) {}
+}
+
+/// A kernel that counts nothing; with `ANY`, that finds some hit.
+pub(super) struct Plain<const ANY: bool>(pub(super) Kernel);
+
+impl<const ANY: bool> Probe for Plain<ANY> {
+    #[inline]
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+        self.0.run::<false>(tables, query)
+    }
+    #[inline]
+    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+        self.0.run::<ANY>(tables, query)
+    }
+}
+
+/// The portable kernel, whose steps are those of all, counted.
+impl Probe for Cost {
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+        walk::<Portable, false>(tables, query, self)
+    }
+    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+        self.nearest(tables, query)
+    }
+    fn cell(&mut self) {
+        self.cells = self.cells.saturating_add(1);
+    }
+    fn test(&mut self) {
+        self.tests = self.tests.saturating_add(1);
+    }
+    fn restart(&mut self) {
+        self.restarts = self.restarts.saturating_add(1);
+    }
 }

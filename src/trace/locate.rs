@@ -6,9 +6,11 @@
 //! is counted twice or lost.
 
 use enfilade_importers::{Role, Semantic};
+use glam::DVec3;
 
 use super::NONE;
-use crate::format::records::{TriangleRecord, VolumeRecord};
+use super::path::Prisms;
+use crate::format::records::{CellRecord, TriangleRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -19,9 +21,9 @@ pub enum Place {
     Air {
         /// Index of the cell.
         cell: u32,
-        /// What labels the air there; [`Semantic::Unknown`] where nothing does.
+        /// What labels the air there: as the cell has it; around the prisms [`Semantic::Unknown`] where nothing does.
         label: Semantic,
-        /// Index of the room, if the point lies in one: the smallest one that holds it.
+        /// Index of the room, if the point lies in one: the cell's; around the prisms the smallest that holds it.
         room: Option<u32>,
     },
     /// Inside this solid element, the smallest one that holds the point.
@@ -40,12 +42,22 @@ impl Scene {
         if let Some(volume) = smallest(&self.tables, point, Role::Solid) {
             return Place::InSolid(volume.element);
         }
+        let mut cell = 0;
+        if self.tables.cells.len() > 1 {
+            let prisms = Prisms::new(&self.tables);
+            cell = prisms.place(DVec3::from(point), self.tolerance()).unwrap_or(0);
+            let CellRecord { kind, semantic, room, .. } = prisms.cells[cell as usize];
+            if kind == CellRecord::AIR {
+                let label = Semantic::from_number(semantic).unwrap_or_default();
+                return Place::Air { cell, label, room: (room != NONE).then_some(room) };
+            }
+        }
         let label = smallest(&self.tables, point, Role::Air);
         let semantic = label.map_or(Semantic::Unknown, |volume| {
             let element = &self.tables.elements[volume.element as usize];
             Semantic::from_number(element.semantic).unwrap_or_default()
         });
-        Place::Air { cell: 0, label: semantic, room: self.room_at(point) }
+        Place::Air { cell, label: semantic, room: self.room_at(point) }
     }
 
     /// The smallest room that holds `point`.

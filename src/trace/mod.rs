@@ -4,10 +4,14 @@
 mod avx2;
 mod batch;
 mod begin;
+mod cells;
 mod cost;
 mod kernel;
 mod lanes;
 mod locate;
+mod meet;
+mod path;
+mod plan;
 mod ray;
 mod single;
 mod walk;
@@ -17,5 +21,7 @@ pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]
 pub(crate) use locate::{crossings, height};
+#[cfg(feature = "compile")]
+pub(crate) use path::to_lattice;
 pub use ray::{Answer, Hit, NONE, Ray};
 pub use single::{Start, Want};

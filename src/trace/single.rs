@@ -3,11 +3,14 @@
 use glam::DVec3;
 
 use super::begin::Begin;
+use super::cells::{Ended, nearest};
 use super::cost::Cost;
-use super::kernel::{Kernel, run_counted};
+use super::kernel::{Kernel, Plain, Probe};
+use super::path::Prisms;
 use super::ray::{Answer, Hit, NONE, Ray};
-use super::walk::{Found, Query, Surface, Walk, each};
+use super::walk::{Query, Surface, each};
 use crate::format::Views;
+use crate::format::records::CellRecord;
 use crate::scene::Scene;
 
 /// Planes nearer to the origin of a restarted ray than this, in metres per metre of coordinate, count as the one
@@ -23,10 +26,10 @@ const BEHIND: f64 = 1e4;
 pub enum Start<'a> {
     /// Anywhere: the origin is located first.
     Anywhere,
-    /// In the air of this cell.
+    /// In the air: of this cell, if it is in it; else its cell is found.
     Cell(u32),
     /// On the surface of this hit, to the side from which its ray came, or through it: the surface itself is not met
-    /// again.
+    /// again. The walk begins in the hit's cell.
     Hit(&'a Hit),
 }
 
@@ -34,7 +37,7 @@ pub enum Start<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Want {
-    /// [`Hit::room`]: costs a look-up of the point.
+    /// [`Hit::room`] also where the ray does not end in a cell of its own: costs a look-up of the point.
     pub room: bool,
 }
 
@@ -75,51 +78,54 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        self.answer(start, ray, want, |query| kernel.run::<false>(&Walk::new(&self.tables), query))
+        self.answer(start, ray, want, &mut Plain::<false>(kernel))
     }
 
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
-        let hit = self.answer(start, ray, want, |query| {
-            let (found, more) = run_counted(&Walk::new(&self.tables), query);
-            cost.add(more);
-            found
-        });
+        let hit = self.answer(start, ray, want, &mut cost);
         (hit, cost)
     }
 
-    /// The answer, with `nearest` to find the nearest triangle.
+    /// The answer, `probe` running the walks.
     #[inline]
-    fn answer(
-        &self,
-        start: Start<'_>,
-        ray: &Ray,
-        want: Want,
-        mut nearest: impl FnMut(&Query) -> Found,
-    ) -> Hit {
-        let Some(mut line) = Line::new(&self.tables, ray) else { return Hit::ESCAPED };
-        let mut found = nearest(&line.query(&self.tables, surface(start, &line)));
-        found.t = found.t.max(line.tmin);
+    fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
+        let tables = &self.tables;
+        let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
+        let hint = match start {
+            Start::Anywhere => NONE,
+            Start::Cell(cell) => cell,
+            Start::Hit(hit) => hit.cell,
+        };
+        let mut ended = nearest(tables, &line, surface(start, &line), hint, probe);
+        ended.found.t = ended.found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
-            match self.begin(&line, found, &mut nearest) {
+            let mut again = |line: &Line| nearest(tables, line, None, NONE, probe).found;
+            match self.begin(&line, ended.found, &mut again) {
                 Begin::InSolid(element) => {
-                    return Hit::in_solid(element, self.tables.elements[element as usize].semantic);
+                    return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
-                    found = nearest(&line.query(&self.tables, None));
+                    ended = nearest(tables, &line, None, NONE, probe);
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
                     let aside = Line { origin: line.origin + way, ..line };
-                    found = nearest(&aside.query(&self.tables, None));
+                    ended = nearest(tables, &aside, None, NONE, probe);
                     // Back from the other ray's origin to this one's.
-                    found.t = (found.t + way.dot(line.direction)).max(line.tmin);
+                    ended.found.t = (ended.found.t + way.dot(line.direction)).max(line.tmin);
                 }
             }
         }
-        if found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, found, want) }
+        if ended.in_matter
+            && matches!(start, Start::Anywhere)
+            && let Some(element) = self.solid_around(line.origin + line.direction * line.tmin)
+        {
+            return Hit::in_solid(element, tables.elements[element as usize].semantic);
+        }
+        if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
     }
 
     /// Whether anything stands in the way of the ray between `tmin` and `tmax`. Stops at the first thing found.
@@ -130,12 +136,13 @@ impl Scene {
         if self.may_start_in_solid(&line) {
             return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let query = line.query(&self.tables, None);
-        self.kernel.run::<true>(&Walk::new(&self.tables), &query).triangle != NONE
+        let ended = nearest(&self.tables, &line, None, NONE, &mut Plain::<true>(self.kernel));
+        ended.found.triangle != NONE
+            || (ended.in_matter && self.solid_around(line.origin + line.direction * line.tmin).is_some())
     }
 
     #[inline]
-    fn describe(&self, line: &Line, found: Found, want: Want) -> Hit {
+    fn describe(&self, line: &Line, Ended { found, cell, .. }: Ended, want: Want) -> Hit {
         let record = &self.tables.triangles[found.triangle as usize];
         let [a, b, c] = each(record.vertices, |v| DVec3::from(self.tables.vertices[v as usize]));
         let normal = (b - a).cross(c - a);
@@ -143,7 +150,12 @@ impl Scene {
         let scale = if normal.dot(line.direction) > 0.0 { -1.0 / size } else { 1.0 / size };
         let normal = if scale.is_finite() { normal * scale } else { DVec3::ZERO };
         let point = line.origin + line.direction * found.t;
-        let room = if want.room { self.room_before(line, found.t) } else { NONE };
+        let (cell, room) = match self.tables.cells[cell as usize] {
+            CellRecord { kind: CellRecord::AIR, room, .. } => (cell, room),
+            CellRecord { kind: CellRecord::SOLID, .. } => self.air_at(point, cell),
+            _ if want.room => (cell, self.room_before(line, found.t)),
+            _ => (cell, NONE),
+        };
         Hit {
             // Not -0.
             t: found.t + 0.0,
@@ -152,10 +164,17 @@ impl Scene {
             element: record.element,
             semantic: self.tables.elements[record.element as usize].semantic,
             material: record.material,
-            cell: 0,
+            cell,
             room,
             triangle: found.triangle,
         }
+    }
+
+    /// The cell of air at a surface that was met in the matter of `cell`, and its room: rounding has hidden it.
+    #[cold]
+    fn air_at(&self, point: DVec3, cell: u32) -> (u32, u32) {
+        let cell = Prisms::new(&self.tables).place(point, self.tolerance()).unwrap_or(cell);
+        (cell, self.tables.cells[cell as usize].room)
     }
 
     /// The room in which the ray ends at `t`: labels may end a little before the surface, so also looked for a little

@@ -41,6 +41,12 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
+    /// The corners of a triangle.
+    #[inline(always)]
+    pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        each(self.triangles[triangle as usize].vertices, |v| DVec3::from(self.vertices[v as usize]))
+    }
+
     #[inline]
     pub(super) fn new(tables: &'a Views) -> Walk<'a> {
         Walk {
@@ -81,9 +87,9 @@ const PARALLEL: f64 = 1e-10;
 
 /// A ray made ready for a walk.
 pub(super) struct Query {
-    origin: DVec3,
-    direction: DVec3,
-    tmin: f64,
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) tmin: f64,
     tmax: f64,
     /// Where along the ray the f32 copy starts: its entry into the hull.
     start: f64,
@@ -93,7 +99,7 @@ pub(super) struct Query {
     /// Axes of the shear: two across the ray and the one along which it mostly runs.
     axes: [usize; 3],
     shear: [f64; 3],
-    surface: Option<Surface>,
+    pub(super) surface: Option<Surface>,
     root: u32,
     /// Bounds the origin's coordinates, metres.
     reach: f64,
@@ -159,9 +165,16 @@ impl Query {
         limit + limit.abs() * 1e-6 + slack
     }
 
+    /// The same ray from now on looks at the hierarchy under `root`, no farther than `tmax`.
+    #[inline(always)]
+    pub(super) fn aim(&mut self, root: u32, tmax: f64) {
+        self.root = root;
+        self.tmax = tmax;
+    }
+
     /// Decides in f64 whether the ray meets the triangle nearer than `best`.
     #[inline(always)]
-    fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
+    pub(super) fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
         let record = &walk.triangles[index as usize];
         let corners = each(record.vertices, |v| walk.vertices[v as usize]);
         let [kx, ky, kz] = self.axes;

@@ -2,6 +2,8 @@
 #![allow(dead_code)]
 
 pub mod enf;
+#[cfg(feature = "compile")]
+pub mod prisms;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

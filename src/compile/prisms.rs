@@ -1,0 +1,205 @@
+//! The cells of a partition as the tables of a scene.
+
+use enfilade_importers::{ElementId, Model, Semantic};
+
+use super::geometry::Gathered;
+use crate::format::Tables;
+use crate::format::records::{
+    CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
+};
+use crate::lattice::{FINE, LARGEST, Lattice};
+use crate::partition::cells::{Cell, Cover, Label, NONE, Partition};
+
+/// The zone of a partition's cells, metres along the lattice's axes from its origin; `None` if it has no cells.
+pub(super) fn zone(partition: &Partition) -> Option<[[f64; 3]; 2]> {
+    let step = partition.lattice.step();
+    let corner = |i: usize| partition.hull[i].map(|c| f64::from(c) * step);
+    (!partition.cells.is_empty()).then(|| [corner(0), corner(1)])
+}
+
+/// Fills the sections `cells` (without roots), `sides`, `faces`, `covers`, `planes`, `sources` (without roots) and
+/// `surfaces`. `hull` is that of the scene. Returns the trait of sloped cells, if there are any.
+///
+/// # Errors
+/// What is wrong with the partition: an index out of range, a cell that is no prism.
+pub(super) fn add(
+    model: &Model,
+    partition: &Partition,
+    gathered: &Gathered,
+    hull: [[f64; 3]; 2],
+    tables: &mut Tables,
+) -> Result<Traits, String> {
+    let around = if partition.cells.is_empty() { Semantic::Unknown } else { Semantic::Exterior };
+    tables.cells.push(CellRecord {
+        bounds: hull,
+        kind: CellRecord::AROUND,
+        semantic: around.number(),
+        element: NONE,
+        room: NONE,
+        root: NONE,
+        floor: NONE,
+        ceiling: NONE,
+        first_side: 0,
+        sides: 0,
+        first_cover: 0,
+        below: 0,
+        above: 0,
+    });
+    let step = partition.lattice.step();
+    tables.planes.extend(partition.planes.iter().map(|plane| PlaneRecord {
+        slope: [plane.p as f64 / FINE as f64, plane.q as f64 / FINE as f64],
+        height: plane.r as f64 / FINE as f64 * step,
+    }));
+    let mut rooms = vec![NONE; model.elements.len()];
+    for (room, record) in tables.rooms.iter().enumerate() {
+        rooms[record.element as usize] = room as u32;
+    }
+    let mut run = Run { model, partition, rooms: &rooms, sloped: false };
+    for (i, cell) in partition.cells.iter().enumerate() {
+        run.cell(cell, tables).map_err(|what| format!("cell {i}: {what}"))?;
+    }
+    let sloped = if run.sloped { Traits::SLOPED } else { 0 };
+    for (i, source) in partition.sources.iter().enumerate() {
+        let first = tables.surfaces.len();
+        for &triangle in &source.triangles {
+            let scene = scene_triangle(gathered, triangle).map_err(|what| format!("source {i}: {what}"))?;
+            tables.surfaces.push(scene);
+        }
+        tables.surfaces[first..].sort_unstable();
+        if source.triangles.is_empty() {
+            return Err(format!("source {i} has no triangle"));
+        }
+        dedup_from(&mut tables.surfaces, first);
+        let count = (tables.surfaces.len() - first) as u32;
+        tables.sources.push(SourceRecord { first: first as u32, count, root: NONE, reserved: 0 });
+    }
+    Ok(Traits(sloped))
+}
+
+/// Drops repeated items of the sorted end of `items`, from `first` on.
+fn dedup_from(items: &mut Vec<u32>, first: usize) {
+    let mut kept = first;
+    for i in first..items.len() {
+        if i == first || items[i] != items[kept - 1] {
+            items[kept] = items[i];
+            kept += 1;
+        }
+    }
+    items.truncate(kept);
+}
+
+/// The scene's triangle that a triangle of an element's mesh became.
+///
+/// # Errors
+/// If there is none, or rays do not meet it.
+pub(super) fn scene_triangle(
+    gathered: &Gathered,
+    (element, triangle): (ElementId, u32),
+) -> Result<u32, String> {
+    let index = gathered.index.get(element.0 as usize).and_then(|of| of.get(triangle as usize)).copied();
+    match index {
+        Some(index) if index < gathered.detail_triangles => Ok(index),
+        _ => Err(format!("triangle {triangle} of element {} is none that rays meet", element.0)),
+    }
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    partition: &'a Partition,
+    /// The room that each element labels.
+    rooms: &'a [u32],
+    sloped: bool,
+}
+
+impl Run<'_> {
+    fn cell(&mut self, cell: &Cell, tables: &mut Tables) -> Result<(), String> {
+        let partition = self.partition;
+        let slice = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
+        let sections = partition.sections.get(slice(&cell.sections)).ok_or("its sections are not there")?;
+        let below = partition.covers.get(slice(&cell.below)).ok_or("what lies below is not there")?;
+        let above = partition.covers.get(slice(&cell.above)).ok_or("what lies above is not there")?;
+        let plane = |index: u32| partition.planes.get(index as usize).ok_or("a plane is not there");
+        let (floor, ceiling) = (plane(cell.floor)?, plane(cell.ceiling)?);
+        self.sloped |= !floor.is_level() || !ceiling.is_level();
+        let step = partition.lattice.step();
+        let (first_side, first_cover) = (tables.sides.len() as u32, tables.covers.len() as u32);
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for section in sections {
+            let p = section.start;
+            if p.x.abs() > LARGEST || p.y.abs() > LARGEST {
+                return Err("a corner is beyond the lattice".to_owned());
+            }
+            let faces = partition.faces.get(slice(&section.faces)).ok_or("faces are not there")?;
+            tables.sides.push(SideRecord {
+                // Exact: 24 bits and a power of two.
+                start: [p.x, p.y].map(|c| (f64::from(c) * step) as f32),
+                first_face: tables.faces.len() as u32,
+                faces: faces.len() as u32,
+            });
+            for face in faces {
+                if face.top != NONE {
+                    plane(face.top)?;
+                }
+                let CoverRecord { cell, source } = self.cover(&face.cover)?;
+                tables.faces.push(FaceRecord { top: face.top, cell, source, reserved: 0 });
+            }
+            let [low, high] = [floor, ceiling].map(|plane| plane.height(p) as f64 / FINE as f64);
+            for (c, axis) in [(f64::from(p.x), 0), (f64::from(p.y), 1), (low, 2), (high, 2)] {
+                let c = c * step;
+                bounds[0][axis] = bounds[0][axis].min(c);
+                bounds[1][axis] = bounds[1][axis].max(c);
+            }
+        }
+        for cover in below.iter().chain(above) {
+            let cover = self.cover(cover)?;
+            tables.covers.push(cover);
+        }
+        let (kind, semantic, element) = self.label(cell.label)?;
+        tables.cells.push(CellRecord {
+            bounds,
+            kind,
+            semantic: semantic.number(),
+            element,
+            room: self.rooms.get(element as usize).copied().unwrap_or(NONE),
+            root: NONE,
+            floor: cell.floor,
+            ceiling: cell.ceiling,
+            first_side,
+            sides: sections.len() as u32,
+            first_cover,
+            below: below.len() as u32,
+            above: above.len() as u32,
+        });
+        Ok(())
+    }
+
+    fn cover(&self, cover: &Cover) -> Result<CoverRecord, String> {
+        let known = (cover.cell == NONE || (cover.cell as usize) < self.partition.cells.len())
+            && (cover.source == NONE || (cover.source as usize) < self.partition.sources.len());
+        if !known {
+            return Err(format!("{cover:?} is not there"));
+        }
+        // Cell 0 is what lies around: beyond the hull, or none.
+        Ok(CoverRecord { cell: cover.cell.wrapping_add(1), source: cover.source })
+    }
+
+    fn label(&self, label: Label) -> Result<(u32, Semantic, u32), String> {
+        let of = |element: ElementId| {
+            let found = self.model.elements.get(element.0 as usize);
+            found.map(|e| e.semantic).ok_or_else(|| format!("element {} is not there", element.0))
+        };
+        Ok(match label {
+            Label::Solid(element) => (CellRecord::SOLID, of(element)?, element.0),
+            Label::Air(element) => (CellRecord::AIR, of(element)?, element.0),
+            Label::Exterior => (CellRecord::AIR, Semantic::Exterior, NONE),
+            Label::Void => (CellRecord::AIR, Semantic::Void, NONE),
+        })
+    }
+}
+
+/// Whether the partition's lattice is one.
+pub(super) fn is_lattice(lattice: &Lattice) -> bool {
+    (Lattice::COARSEST..=Lattice::FINEST).contains(&lattice.bits)
+        && (lattice.turn[0].hypot(lattice.turn[1]) - 1.0).abs() <= 1e-12
+        && lattice.origin.iter().all(|c| c.is_finite() && c.fract() == 0.0)
+}

@@ -1,0 +1,191 @@
+//! Rays in the plan: on which side of it a vertical edge lies, and where it enters and leaves a footprint.
+//!
+//! *The consistent side rule.* A ray's side of a vertical edge is computed from that edge's vertex and the ray's 2-D
+//! Pluecker coordinates alone, by [`PlanLine::side`], and its sign is exact. A vertex on the line counts as on its
+//! left, for every cell alike, as if the line ran a hair further right. So all cells that share a vertex agree; the
+//! line enters a convex footprint through exactly one of its edges and leaves it through exactly one other, or misses
+//! it; and the cells that it crosses follow each other without a gap and without a loop.
+
+use glam::DVec3;
+
+use crate::format::records::SideRecord;
+
+/// Shorter than this in the plan, a unit direction is vertical: over a kilometre it moves aside by a picometre.
+const VERTICAL: f64 = 1e-15;
+
+/// A ray seen from above, relative to the lattice's origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanLine {
+    /// Where `t` is 0.
+    origin: [f64; 2],
+    direction: [f64; 2],
+    /// The third Pluecker coordinate: direction y times origin x, less direction x times origin y.
+    moment: f64,
+    /// A side nearer to 0 than this may have the wrong sign.
+    doubt: f64,
+    /// 1 by the direction's squared length.
+    inverse: f64,
+    /// The direction is that of x, and stands for none: the ray is vertical.
+    pub(super) vertical: bool,
+}
+
+/// Where a line crosses a footprint: parameters along the ray (for vertical rays: along x), and the side through which
+/// it leaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) enter: f64,
+    pub(super) leave: f64,
+    pub(super) side: usize,
+}
+
+impl PlanLine {
+    /// The line of a ray from `origin` along the unit vector `direction`, for vertices with coordinates of at most `reach`.
+    #[inline]
+    pub(super) fn new(origin: DVec3, direction: DVec3, reach: f64) -> PlanLine {
+        let mut d = [direction.x, direction.y].map(|c| if c.abs() < VERTICAL { 0.0 } else { c });
+        let vertical = d == [0.0; 2];
+        if vertical {
+            d = [1.0, 0.0];
+        }
+        let moment = d[1] * origin.x - d[0] * origin.y;
+        // Two products and two sums, each off by at most 2^-53 of its result: less than this by a half.
+        let doubt = (-50f64).exp2() * ((d[0].abs() + d[1].abs()) * reach + moment.abs());
+        let inverse = 1.0 / (d[0] * d[0] + d[1] * d[1]);
+        PlanLine { origin: [origin.x, origin.y], direction: d, moment, doubt, inverse, vertical }
+    }
+
+    /// The vertex's side of the line: negative on its right, else on its left or on it. The sign is exact, the size is
+    /// that of the distance times the direction's length, to rounding.
+    #[inline(always)]
+    pub(super) fn side(&self, vertex: [f32; 2]) -> f64 {
+        let [x, y] = vertex.map(f64::from);
+        let side = self.direction[0] * y - self.direction[1] * x + self.moment;
+        if side.abs() > self.doubt { side } else { self.exact_side(x, y, side) }
+    }
+
+    /// The side with the sign of the exact sum.
+    #[cold]
+    fn exact_side(&self, x: f64, y: f64, rounded: f64) -> f64 {
+        // Coordinates of 25 bits and directions no shorter than `VERTICAL`: nothing underflows.
+        let (a, a_rest) = product(self.direction[0], y);
+        let (b, b_rest) = product(-self.direction[1], x);
+        let size = rounded.abs();
+        if sum_is_negative([a_rest, a, b_rest, b, self.moment]) { -size.max(f64::MIN_POSITIVE) } else { size }
+    }
+
+    /// Where the line crosses a convex, counter-clockwise footprint; `None` if it misses it.
+    #[inline]
+    pub(super) fn span(&self, sides: &[SideRecord]) -> Option<Span> {
+        let mut before = *sides.last()?;
+        let mut from = self.side(before.start);
+        let (mut enter, mut leave) = (None, None);
+        for (i, here) in sides.iter().enumerate() {
+            let to = self.side(here.start);
+            if (from < 0.0) != (to < 0.0) {
+                let t = self.crossing(before.start, here.start, from, to);
+                if from < 0.0 {
+                    leave = Some((t, i));
+                } else {
+                    enter = Some(t);
+                }
+            }
+            (before, from) = (*here, to);
+        }
+        let (leave, next) = leave?;
+        Some(Span { enter: enter?, leave, side: (next + sides.len() - 1) % sides.len() })
+    }
+
+    /// Where the line crosses the edge between two vertices, of which just one is on its right. Never beyond the edge's
+    /// ends: so that a line that runs along it crosses it somewhere on it.
+    #[inline(always)]
+    fn crossing(&self, from: [f32; 2], to: [f32; 2], side_from: f64, side_to: f64) -> f64 {
+        let share = (side_from / (side_from - side_to)).clamp(0.0, 1.0);
+        let at = |axis: usize| {
+            let (a, b) = (f64::from(from[axis]), f64::from(to[axis]));
+            (a - self.origin[axis] + share * (b - a)) * self.direction[axis]
+        };
+        (at(0) + at(1)) * self.inverse
+    }
+}
+
+/// The product and what its rounding lost.
+fn product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    (product, a.mul_add(b, -product))
+}
+
+/// Whether the exact sum is negative: Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997, figure 6.
+fn sum_is_negative(terms: [f64; 5]) -> bool {
+    let mut expansion = [0.0f64; 5];
+    for (count, term) in terms.into_iter().enumerate() {
+        let mut sum = term;
+        for part in &mut expansion[..count] {
+            let (a, b) = (sum, *part);
+            sum = a + b;
+            let shadow = sum - a;
+            *part = (a - (sum - shadow)) + (b - shadow);
+        }
+        expansion[count] = sum;
+    }
+    // The largest part that is not 0 has the sign of the sum.
+    expansion.iter().rev().find(|part| **part != 0.0).is_some_and(|part| *part < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn footprint(points: &[[f32; 2]]) -> Vec<SideRecord> {
+        points.iter().map(|&start| SideRecord { start, first_face: 0, faces: 1 }).collect()
+    }
+
+    #[test]
+    fn a_square_is_crossed_once() {
+        let square = footprint(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        let line = |x: f64, y: f64, dx: f64, dy: f64| {
+            PlanLine::new(DVec3::new(x, y, 0.0), DVec3::new(dx, dy, 0.0).normalize(), 256.0)
+        };
+        let span = line(-1.0, 0.25, 1.0, 0.0).span(&square).unwrap();
+        assert_eq!((span.enter, span.leave, span.side), (1.0, 2.0, 1));
+        // Along its lower edge the line counts as running on the right of it: outside. Along the upper edge: inside.
+        assert!(line(-1.0, 0.0, 1.0, 0.0).span(&square).is_none());
+        assert!(line(-1.0, 1.0, 1.0, 0.0).span(&square).is_some());
+        assert!(line(-1.0, -1.0, 1.0, 1.0).span(&square).is_some());
+        assert!(line(-1.0, 2.0, 1.0, 0.0).span(&square).is_none());
+    }
+
+    proptest! {
+        /// Sides of vertices near a line, against whole numbers.
+        #[test]
+        fn sides_are_exact(
+            a in prop::array::uniform2(-1i64 << 24..1 << 24), d in prop::array::uniform2(-4000i64..4000),
+            steps in -4000i64..4000, aside in prop::array::uniform2(-2i64..=2),
+        ) {
+            prop_assume!(d != [0, 0]);
+            let v = [a[0] / 4 + d[0] * steps / 2 + aside[0], a[1] / 4 + d[1] * steps / 2 + aside[1]];
+            let size = 1.0 / 65536.0;
+            let line = PlanLine {
+                origin: [0.0; 2],
+                direction: d.map(|c| c as f64),
+                // At a quarter of what `v` is measured from, so that this is exact too.
+                moment: (d[1] * (a[0] / 4) - d[0] * (a[1] / 4)) as f64 * size,
+                doubt: 1e30,
+                inverse: 1.0,
+                vertical: false,
+            };
+            let exact = i128::from(d[0]) * i128::from(v[1]) - i128::from(d[1]) * i128::from(v[0])
+                + i128::from(d[1] * (a[0] / 4) - d[0] * (a[1] / 4));
+            let side = line.side(v.map(|c| (c as f64 * size) as f32));
+            prop_assert_eq!(side < 0.0, exact < 0, "{} {}", side, exact);
+        }
+
+        #[test]
+        fn sums_have_the_right_sign(high in -1000i64..1000, low in -1000i64..1000, shift in 0i32..100) {
+            // high + low 2^-shift - high, in an order that loses the middle term.
+            let small = low as f64 * 2f64.powi(-shift);
+            let sum = [small, high as f64 * 1e10, 0.0, -(high as f64) * 1e10, 0.0];
+            prop_assert_eq!(sum_is_negative(sum), low < 0);
+        }
+    }
+}
