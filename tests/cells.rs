@@ -126,6 +126,21 @@ fn one() {
         let a = scene.trace(&ray);
         println!("{a:?}\n  {:?}", truth.judge(&ray, &a));
         println!("  cost {:?}", scene.trace_cost_from(Start::Anywhere, &ray, Want::default()).1);
+        for i in 0..9 {
+            for j in 0..9 {
+                for k in 0..3 {
+                    let at = |i: i32| [-5e-4, -1e-4, -2e-5, -5e-6, 0.0, 5e-6, 2e-5, 1e-4, 5e-4][i as usize];
+                    let o = ray.origin;
+                    let o = [o[0] + at(i), o[1] + at(j), o[2] + at([2, 3, 4][k])];
+                    println!(
+                        "   shift {} {} {k} {:?}",
+                        at(i),
+                        at(j),
+                        truth.answer(&Ray::new(o, ray.direction))
+                    );
+                }
+            }
+        }
         if let Answer::Hit(h) = a {
             println!("  corners {:?}", scene.triangle(h.triangle));
         }

@@ -235,15 +235,19 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
             return Ok(None);
         }
         let mut best = Found { t: self.limit, triangle: NONE };
-        self.meet_near(exit.source, exit.t, &mut best);
+        let outward = self.path.outward(record, exit);
+        self.meet_near(exit.source, exit.t, outward, &mut best);
         if best.triangle != NONE { Ok(Some(best)) } else { self.missed(record, exit) }
     }
 
-    /// Makes `best` what the ray meets of a source near a face, if that is nearer.
+    /// Makes `best` what the ray meets of a source near a face, if that is nearer, and if the ray comes to it from where
+    /// the air is: from the other side, along the face, only a ray comes that rounding has put into the matter.
     #[inline]
-    fn meet_near(&mut self, source: u32, t: f64, best: &mut Found) {
+    fn meet_near(&mut self, source: u32, t: f64, outward: DVec3, best: &mut Found) {
         let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
-        let takes = |found: &Found, query: &Query| is_near(found, t, tolerance, walk, query);
+        let takes = |found: &Found, query: &Query| {
+            is_near(found, t, tolerance, walk, query) && walk.enters(found.triangle, outward, query.direction)
+        };
         self.surfaces.meet(source, walk, &mut self.query, best, self.probe, takes);
     }
 
@@ -251,17 +255,23 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     #[cold]
     fn missed(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Lost> {
         let mut best = Found { t: self.limit, triangle: NONE };
-        for source in self.path.prisms.sources_of(record) {
-            self.meet_near(source, exit.t, &mut best);
+        for (source, outward) in self.path.prisms.sources_of(record) {
+            self.meet_near(source, exit.t, outward, &mut best);
         }
         if best.triangle != NONE {
             return Ok(Some(best));
         }
+<<<<<<< HEAD
         let at = (exit.t, self.path.prisms.internal(self.path.at(exit.t)));
         match self.surfaces.nearly_met(exit.source, at, self.limit, &self.walk, &self.query) {
+=======
+        let at = (exit.t, self.path.at(exit.t) + self.path.prisms.origin);
+        let outward = self.path.outward(record, exit);
+        match self.surfaces.nearly_met(exit.source, at, outward, self.limit, &self.walk, &self.query) {
+>>>>>>> p-walk
             Nearly::Met(found) => Ok(Some(found)),
             Nearly::Grazed(_) if self.aside + self.clear < self.surfaces.tolerance => {
-                Err(Lost::Along(self.path.normal(record, exit) * -self.clear))
+                Err(Lost::Along(outward.normalize_or_zero() * -self.clear))
             }
             Nearly::Grazed(found) => Ok(Some(found)),
             Nearly::Nothing => Ok(None),
@@ -274,7 +284,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
         let takes = |found: &Found, query: &Query| found.t <= t || is_near(found, t, tolerance, walk, query);
         let mut best = Found { t: self.limit, triangle: NONE };
-        for source in self.path.prisms.sources_of(record) {
+        for (source, _) in self.path.prisms.sources_of(record) {
             self.surfaces.meet(source, walk, &mut self.query, &mut best, self.probe, takes);
         }
         (best.triangle != NONE).then_some(best)

@@ -115,18 +115,28 @@ impl<'a> Prisms<'a> {
         &self.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize]
     }
 
-    /// All that may be met at the surface of a cell; the same one several times.
-    pub(super) fn sources_of(&self, cell: &CellRecord) -> impl Iterator<Item = u32> + 'a {
+    /// A normal of a plane, upward.
+    fn upward(&self, plane: u32) -> DVec3 {
+        let [p, q] = self.planes[plane as usize].slope;
+        DVec3::new(-p, -q, 1.0)
+    }
+
+    /// All that may be met at the surface of a cell, with a normal there, outward; the same one several times.
+    pub(super) fn sources_of(&self, cell: &CellRecord) -> impl Iterator<Item = (u32, DVec3)> + 'a {
         let first = cell.first_cover as usize;
-        let covers = &self.covers[first..first + cell.below as usize + cell.above as usize];
-        let faces = self.faces;
-        let of_side = move |side: &SideRecord| {
-            let first = side.first_face as usize;
-            faces[first..first + side.faces as usize].iter().map(|face| face.source)
+        let middle = first + cell.below as usize;
+        let of = |covers: &'a [CoverRecord], normal: DVec3| covers.iter().map(move |c| (c.source, normal));
+        let below = of(&self.covers[first..middle], -self.upward(cell.floor));
+        let above = of(&self.covers[middle..middle + cell.above as usize], self.upward(cell.ceiling));
+        let (faces, sides) = (self.faces, self.sides_of(cell));
+        let of_side = move |i: usize| {
+            let normal = outward(sides[i].start, sides[(i + 1) % sides.len()].start);
+            let first = sides[i].first_face as usize;
+            faces[first..first + sides[i].faces as usize].iter().map(move |face| (face.source, normal))
         };
-        let all = self.sides_of(cell).iter().flat_map(of_side).chain(covers.iter().map(|c| c.source));
+        let all = (0..sides.len()).flat_map(of_side).chain(below).chain(above);
         let mut last = NONE;
-        all.filter(move |&source| source != NONE && std::mem::replace(&mut last, source) != source)
+        all.filter(move |&(source, _)| source != NONE && std::mem::replace(&mut last, source) != source)
     }
 
     /// Whether `point` (from the lattice's origin) lies in the zone of the prisms.
@@ -258,11 +268,19 @@ impl<'a> Prisms<'a> {
     }
 }
 
+<<<<<<< HEAD
 /// A point, metres in the internal frame, along the axes of the lattice from its origin.
 #[inline]
 pub(crate) fn to_lattice(p: [f64; 3], origin: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
     let [x, y, z] = [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
     [x * cos + y * sin, y * cos - x * sin, z]
+=======
+/// A normal of the side over the edge between two corners, outward.
+#[inline]
+fn outward(from: [f32; 2], to: [f32; 2]) -> DVec3 {
+    let [a, b] = [from, to].map(|p| p.map(f64::from));
+    DVec3::new(b[1] - a[1], a[0] - b[0], 0.0)
+>>>>>>> p-walk
 }
 
 /// A ray among the prisms.
@@ -356,24 +374,19 @@ impl<'a> Path<'a> {
         Some(Exit { t: t + self.start, cell: face.cell, source: face.source, through })
     }
 
-    /// The unit normal of the plane through which the ray leaves a prism, outward.
-    pub(super) fn normal(&self, cell: &CellRecord, exit: &Exit) -> DVec3 {
-        let sides = self.prisms.sides_of(cell);
-        let of_plane = |plane: u32| {
-            let [p, q] = self.prisms.planes[plane as usize].slope;
-            DVec3::new(-p, -q, 1.0)
-        };
-        let normal = match exit.through {
-            Through::Floor => -of_plane(cell.floor),
-            Through::Ceiling => of_plane(cell.ceiling),
+    /// A normal of the plane through which the ray leaves a prism, outward, of any length.
+    #[inline]
+    pub(super) fn outward(&self, cell: &CellRecord, exit: &Exit) -> DVec3 {
+        match exit.through {
+            Through::Floor => -self.prisms.upward(cell.floor),
+            Through::Ceiling => self.prisms.upward(cell.ceiling),
             Through::Side(index) => {
+                let sides = self.prisms.sides_of(cell);
                 let i = (index - cell.first_side) as usize;
-                let [a, b] = [i, (i + 1) % sides.len()].map(|i| sides[i].start.map(f64::from));
-                DVec3::new(b[1] - a[1], a[0] - b[0], 0.0)
+                outward(sides[i].start, sides[(i + 1) % sides.len()].start)
             }
             Through::Air => DVec3::ZERO,
-        };
-        normal.normalize_or_zero()
+        }
     }
 
     /// The part of a floor or ceiling that the ray passes, `t` from its start: the one whose cell's footprint the line

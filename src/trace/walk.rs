@@ -47,6 +47,14 @@ impl<'a> Walk<'a> {
         each(self.triangles[triangle as usize].vertices, |v| DVec3::from(self.vertices[v as usize]))
     }
 
+    /// Whether a ray along `direction` comes to the triangle from the side that `outward` comes from.
+    #[inline]
+    pub(super) fn enters(&self, triangle: u32, outward: DVec3, direction: DVec3) -> bool {
+        let [a, b, c] = self.corners(triangle);
+        let normal = (b - a).cross(c - a);
+        normal.dot(outward) * normal.dot(direction) > 0.0
+    }
+
     #[inline]
     pub(super) fn new(tables: &'a Views) -> Walk<'a> {
         Walk {
