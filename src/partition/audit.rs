@@ -164,9 +164,25 @@ impl Auditor {
             hull: Bounds { low, high }.dilated(DVec3::splat(tolerance)),
             sliver: partition.lattice.steps(options.sliver),
         };
-        for cell in partition.cells.iter().filter(|cell| !cell.label.is_air()) {
-            auditor.bounds.push(prism(partition, cell, tolerance, level, &mut auditor.sides));
-            auditor.ends.push(auditor.sides.len());
+        let solids: Vec<_> = partition.cells.iter().filter(|cell| !cell.label.is_air()).collect();
+        let chunks = parallel::map(solids.len().div_ceil(CHUNK), |chunk| {
+            let mut sides = Vec::new();
+            let cells = solids[chunk * CHUNK..].iter().take(CHUNK);
+            let prisms: Vec<(Bounds, usize)> = cells
+                .map(|cell| {
+                    let bounds = prism(partition, cell, tolerance, level, &mut sides);
+                    (bounds, sides.len())
+                })
+                .collect();
+            (prisms, sides)
+        });
+        for (prisms, sides) in chunks {
+            let start = auditor.sides.len();
+            for (bounds, end) in prisms {
+                auditor.bounds.push(bounds);
+                auditor.ends.push(start + end);
+            }
+            auditor.sides.extend(sides);
         }
         auditor.tree = BoxTree::new(auditor.bounds.iter().copied());
         auditor
@@ -193,13 +209,10 @@ impl Auditor {
             let bounds = Bounds::of(&points);
             near.clear();
             self.tree.meeting(&bounds, |cell| near.push(cell));
-            if near.iter().any(|&cell| self.cell(cell).contains(&points)) {
-                continue;
-            }
-            // The tree's order is its own; the pieces should follow the cells'.
-            near.sort_unstable();
             left.clear();
-            cutter.remove(Piece { corners: points.to_vec(), bounds }, &near, &|c| self.cell(c), &mut left);
+            let piece = Piece { corners: cutter.copy(&points), bounds };
+            // If that takes too long, what is left is too much: the triangle becomes detail, which is always right.
+            cutter.remove(piece, near.iter().copied(), &|c| self.cell(c), &mut left);
             let exposed: f64 = left.iter().map(Piece::area).sum();
             let is_exposed = exposed > HALF * area || are_wider(&left, self.sliver);
             for piece in left.drain(..) {

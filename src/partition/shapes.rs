@@ -105,6 +105,16 @@ pub(super) fn prism(
     bounds
 }
 
+/// All parts of a cell's surface beyond which there is a cell, and that cell.
+pub(super) fn parts(partition: &Partition, cell: &Cell) -> Vec<(Part, u32)> {
+    let sections = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
+    let faces = sections.iter().flat_map(|section| section.faces.clone());
+    let faces = faces.map(|f| (Part::Face(f), partition.faces[f as usize].cover.cell));
+    let covers = cell.below.clone().chain(cell.above.clone());
+    let covers = covers.map(|c| (Part::Cover(c), partition.covers[c as usize].cell));
+    faces.chain(covers).filter(|part| part.1 != NONE).collect()
+}
+
 /// All parts of a cell's surface beyond which `wanted` cells lie.
 pub(super) fn walls(
     partition: &Partition,

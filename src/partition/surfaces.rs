@@ -20,7 +20,7 @@ use super::boxes::BoxTree;
 use super::cells::{Label, NONE, Partition, Source};
 use super::halfspaces::{Body, Bounds, Cutter, HalfSpace, Piece, are_wider, around_triangle};
 use super::matter::MatterTriangle;
-use super::shapes::{Part, Wall, walls};
+use super::shapes::{Part, Wall, parts, walls};
 use crate::oracle::parallel;
 
 /// Tolerances of [`attach`].
@@ -73,7 +73,9 @@ pub struct SurfaceReport {
     pub false_faces: u32,
     /// The area not covered, m2.
     pub false_area: f64,
-    /// The largest of these places, the largest first.
+    /// Those with so many triangles that it would take too long to say what they cover; they have all the parallel ones.
+    pub undecided: u32,
+    /// The largest places that are not covered, the largest first.
     pub places: Vec<FalseSolid>,
     /// Different lists of triangles.
     pub sources: u32,
@@ -113,33 +115,37 @@ pub fn attach(
     for cover in &mut partition.covers {
         cover.source = NONE;
     }
+    // What lies between a cell of matter and one of air, and its source.
+    let mut seen: Vec<([u32; 2], u32)> = Vec::new();
     for found in chunks.into_iter().flatten() {
-        if partition.cells[found.cell as usize].label.is_air() {
-            report.faces += 1;
-            report.area += found.area * step * step;
-            report.patched += u32::from(found.is_patched);
-            if let Some((at, area)) = found.uncovered {
-                let area = area * step * step;
-                report.false_faces += 1;
-                report.false_area += area;
-                places.push(FalseSolid {
-                    at: partition.lattice.metres(at.to_array()),
-                    area,
-                    air: found.cell,
-                    solid: found.beyond,
-                    element: match partition.cells[found.beyond as usize].label {
-                        Label::Solid(element) => Some(element),
-                        _ => None,
-                    },
-                });
-            }
+        report.faces += 1;
+        report.area += found.area * step * step;
+        report.patched += u32::from(found.is_patched);
+        report.undecided += u32::from(found.is_undecided);
+        if let Some((at, area)) = found.uncovered {
+            let area = area * step * step;
+            report.false_faces += 1;
+            report.false_area += area;
+            places.push(FalseSolid {
+                at: partition.lattice.metres(at.to_array()),
+                area,
+                air: found.cell,
+                solid: found.beyond,
+                element: match partition.cells[found.beyond as usize].label {
+                    Label::Solid(element) => Some(element),
+                    _ => None,
+                },
+            });
         }
         let source = lists.intern(found.triangles);
-        match found.part {
-            Part::Face(f) => partition.faces[f as usize].cover.source = source,
-            Part::Cover(c) => partition.covers[c as usize].source = source,
+        *source_of(partition, found.part) = source;
+        if source != NONE {
+            seen.push(([found.beyond, found.cell], source));
         }
     }
+    seen.sort_unstable();
+    seen.dedup();
+    mirror(partition, matter, &seen, &mut lists);
     places.sort_by(|a, b| b.area.total_cmp(&a.area).then((a.air, a.solid).cmp(&(b.air, b.solid))));
     places.truncate(options.places);
     let within = partition.lattice.steps(options.planar);
@@ -149,6 +155,45 @@ pub fn attach(
     report.planar = partition.sources.iter().filter(|s| s.plane.is_some()).count() as u32;
     report.longest = partition.sources.iter().map(|s| s.triangles.len() as u32).max().unwrap_or(0);
     report
+}
+
+/// The index that a part of a surface has.
+fn source_of(partition: &mut Partition, part: Part) -> &mut u32 {
+    match part {
+        Part::Face(f) => &mut partition.faces[f as usize].cover.source,
+        Part::Cover(c) => &mut partition.covers[c as usize].source,
+    }
+}
+
+/// Gives the parts of the surfaces of cells of matter the sources that the air beyond has there. Two convex cells meet
+/// in one plane, so that whatever lies between them has the same triangles.
+fn mirror(partition: &mut Partition, matter: &[MatterTriangle], seen: &[([u32; 2], u32)], lists: &mut Lists) {
+    for c in 0..partition.cells.len() {
+        if partition.cells[c].label.is_air() {
+            continue;
+        }
+        for (part, beyond) in parts(partition, &partition.cells[c]) {
+            let pair = [c as u32, beyond];
+            let start = seen.partition_point(|entry| entry.0 < pair);
+            let count = seen[start..].iter().take_while(|entry| entry.0 == pair).count();
+            let source = match &seen[start..start + count] {
+                [] => continue,
+                [one] => one.1,
+                many => {
+                    let all = many.iter().flat_map(|entry| lists.sources[entry.1 as usize].iter());
+                    lists.intern(in_order(matter, all.copied().collect()))
+                }
+            };
+            *source_of(partition, part) = source;
+        }
+    }
+}
+
+/// Triangles by name, each once.
+fn in_order(matter: &[MatterTriangle], mut list: Vec<u32>) -> Vec<u32> {
+    list.sort_unstable_by_key(|&t| (matter[t as usize].name(), t));
+    list.dedup_by_key(|t| matter[*t as usize].name());
+    list
 }
 
 /// Lists of indices of triangles, each once, in the order of their first use.
@@ -204,6 +249,8 @@ struct Found {
     area: f64,
     /// Whether parallel triangles do not suffice.
     is_patched: bool,
+    /// Whether it took too long to say what they cover.
+    is_undecided: bool,
     /// Where and how much is not covered.
     uncovered: Option<(DVec3, f64)>,
 }
@@ -241,18 +288,20 @@ impl<'a> Finder<'a> {
         let mut cutter = Cutter::default();
         let mut all = Vec::new();
         for (c, cell) in cells.iter().enumerate().skip(first).take(count) {
-            let is_air = cell.label.is_air();
-            let differs = |beyond: u32| cells[beyond as usize].label.is_air() != is_air;
-            walls(self.partition, cell, differs, &mut cutter, |cutter, wall| {
-                let sense = if is_air { -1.0 } else { 1.0 };
-                all.push(self.wall(c as u32, wall, sense, cutter, &mut scratch));
+            if !cell.label.is_air() {
+                continue;
+            }
+            let is_matter = |beyond: u32| !cells[beyond as usize].label.is_air();
+            walls(self.partition, cell, is_matter, &mut cutter, |cutter, wall| {
+                all.push(self.wall(c as u32, wall, cutter, &mut scratch));
             });
         }
         all
     }
 
-    fn wall(&self, cell: u32, wall: Wall, sense: f64, cutter: &mut Cutter, scratch: &mut Scratch) -> Found {
-        let to_air = wall.out * sense;
+    /// The triangles of a part of the surface of a cell of air.
+    fn wall(&self, cell: u32, wall: Wall, cutter: &mut Cutter, scratch: &mut Scratch) -> Found {
+        let to_air = -wall.out;
         let piece = Piece::new(wall.corners);
         let mut found = Found {
             cell,
@@ -261,6 +310,7 @@ impl<'a> Finder<'a> {
             triangles: Vec::new(),
             area: piece.area(),
             is_patched: false,
+            is_undecided: false,
             uncovered: None,
         };
         if piece.corners.is_empty() {
@@ -269,36 +319,41 @@ impl<'a> Finder<'a> {
         scratch.near.clear();
         let bounds = piece.bounds.dilated(DVec3::splat(self.reach));
         self.tree.meeting(&bounds, |t| scratch.near.push(t));
-        let mut left = self.parallel(&piece, to_air, &mut found.triangles, cutter, scratch);
+        let mut left = Vec::new();
+        found.is_undecided = !self.parallel(&piece, to_air, &mut found.triangles, &mut left, cutter, scratch);
         for averted in [false, true] {
-            if !found.triangles.is_empty() && !are_wider(&left, self.sliver) {
+            if found.is_undecided || (!found.triangles.is_empty() && !are_wider(&left, self.sliver)) {
                 break;
             }
             found.is_patched = true;
             if left.is_empty() {
-                // Without area, or covered by what only touches it.
+                // Without area.
                 left.push(piece.clone());
             }
-            left = self.patch(left, to_air, averted, &mut found.triangles, cutter, scratch);
+            let patched = self.patch(&mut left, to_air, averted, &mut found.triangles, cutter, scratch);
+            found.is_undecided = !patched;
         }
-        if found.triangles.is_empty() || are_wider(&left, self.sliver) {
+        if !found.is_undecided && (found.triangles.is_empty() || are_wider(&left, self.sliver)) {
             let largest = left.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
             found.uncovered = largest.map(|l| (l.middle(), left.iter().map(Piece::area).sum()));
         }
-        found.triangles.sort_unstable_by_key(|&t| (self.matter[t as usize].name(), t));
-        found.triangles.dedup_by_key(|t| self.matter[*t as usize].name());
+        left.into_iter().for_each(|piece| cutter.give_back(piece.corners));
+        cutter.give_back(piece.corners);
+        found.triangles = in_order(self.matter, found.triangles);
         found
     }
 
-    /// Lists the parallel triangles of a part of the surface; returns what they do not cover.
+    /// Lists the parallel triangles of a part of the surface, and puts on `left` what they do not cover. Returns whether
+    /// that could be said.
     fn parallel(
         &self,
         piece: &Piece,
         to_air: DVec3,
         list: &mut Vec<u32>,
+        left: &mut Vec<Piece>,
         cutter: &mut Cutter,
         scratch: &mut Scratch,
-    ) -> Vec<Piece> {
+    ) -> bool {
         let Scratch { near, bodies } = scratch;
         bodies.clear();
         let height = to_air.dot(piece.corners[0]);
@@ -318,40 +373,46 @@ impl<'a> Finder<'a> {
                 list.push(t);
             }
         }
-        let mut left = Vec::new();
-        cutter.remove(piece.clone(), &bodies.all(), &|b| bodies.get(b), &mut left);
-        left
+        let whole = Piece { corners: cutter.copy(&piece.corners), bounds: piece.bounds };
+        cutter.remove(whole, bodies.all(), &|b| bodies.get(b), left)
     }
 
-    /// Lists triangles within the reach of what is left of a part of the surface: those that look the other way, or all
-    /// others. Returns what is left then.
+    /// Lists triangles within the reach of what is left of a part of the surface, those that look the other way or all
+    /// others, and takes what they cover off `left`. Returns whether that could be said.
     fn patch(
         &self,
-        left: Vec<Piece>,
+        left: &mut Vec<Piece>,
         to_air: DVec3,
         averted: bool,
         list: &mut Vec<u32>,
         cutter: &mut Cutter,
         scratch: &mut Scratch,
-    ) -> Vec<Piece> {
+    ) -> bool {
         let Scratch { near, bodies } = scratch;
         bodies.clear();
+        let tree = BoxTree::new(left.iter().map(|piece| piece.bounds));
         for &t in near.iter() {
             let triangle = &self.matter[t as usize];
             let Some(normal) = triangle.normal() else { continue };
             if (normal.dot(to_air) < AVERTED) != averted {
                 continue;
             }
-            let meets = |body: Body<'_>| left.iter().any(|piece| cutter.meets(piece, body));
+            let meets = |body: Body<'_>| {
+                let mut meets = false;
+                tree.meeting(body.bounds, |p| meets = meets || cutter.meets(&left[p as usize], body));
+                meets
+            };
             if bodies.add(&triangle.points(), normal, self.reach, self.reach, meets) {
                 list.push(t);
             }
         }
         let mut rest = Vec::new();
-        for piece in left {
-            cutter.remove(piece, &bodies.all(), &|b| bodies.get(b), &mut rest);
+        let mut is_said = true;
+        for piece in left.drain(..) {
+            is_said = is_said && cutter.remove(piece, bodies.all(), &|b| bodies.get(b), &mut rest);
         }
-        rest
+        *left = rest;
+        is_said
     }
 }
 
@@ -404,8 +465,8 @@ impl Bodies {
         Body { bounds, sides: &self.sides[start..*end] }
     }
 
-    fn all(&self) -> Vec<u32> {
-        (0..self.ends.len() as u32).collect()
+    fn all(&self) -> std::ops::Range<u32> {
+        0..self.ends.len() as u32
     }
 }
 

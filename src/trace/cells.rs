@@ -235,7 +235,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
             return Ok(None);
         }
         let mut best = Found { t: self.limit, triangle: NONE };
-        let outward = self.path.outward(record, exit);
+        let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
         self.meet_near(exit.source, exit.t, outward, &mut best);
         if best.triangle != NONE { Ok(Some(best)) } else { self.missed(record, exit) }
     }
@@ -256,19 +256,16 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     fn missed(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Lost> {
         let mut best = Found { t: self.limit, triangle: NONE };
         for (source, outward) in self.path.prisms.sources_of(record) {
+            let outward = self.path.prisms.turned_back(outward);
             self.meet_near(source, exit.t, outward, &mut best);
         }
         if best.triangle != NONE {
             return Ok(Some(best));
         }
-<<<<<<< HEAD
         let at = (exit.t, self.path.prisms.internal(self.path.at(exit.t)));
-        match self.surfaces.nearly_met(exit.source, at, self.limit, &self.walk, &self.query) {
-=======
-        let at = (exit.t, self.path.at(exit.t) + self.path.prisms.origin);
         let outward = self.path.outward(record, exit);
-        match self.surfaces.nearly_met(exit.source, at, outward, self.limit, &self.walk, &self.query) {
->>>>>>> p-walk
+        let normal = self.path.prisms.turned_back(outward);
+        match self.surfaces.nearly_met(exit.source, at, normal, self.limit, &self.walk, &self.query) {
             Nearly::Met(found) => Ok(Some(found)),
             Nearly::Grazed(_) if self.aside + self.clear < self.surfaces.tolerance => {
                 Err(Lost::Along(outward.normalize_or_zero() * -self.clear))

@@ -97,11 +97,16 @@ impl<'a> Prisms<'a> {
         DVec3::from(to_lattice(point.to_array(), self.origin, self.turn))
     }
 
+    /// A direction along the lattice's axes in the internal frame.
+    pub(super) fn turned_back(&self, direction: DVec3) -> DVec3 {
+        let [cos, sin] = self.turn;
+        let [x, y, z] = direction.to_array();
+        DVec3::new(x * cos - y * sin, x * sin + y * cos, z)
+    }
+
     /// The point of the internal frame at a point given along the lattice's axes.
     pub(super) fn internal(&self, point: DVec3) -> DVec3 {
-        let [cos, sin] = self.turn;
-        let [x, y, z] = point.to_array();
-        DVec3::new(x * cos - y * sin, x * sin + y * cos, z) + DVec3::from(self.origin)
+        self.turned_back(point) + DVec3::from(self.origin)
     }
 
     /// A direction of the internal frame along the lattice's axes.
@@ -268,19 +273,18 @@ impl<'a> Prisms<'a> {
     }
 }
 
-<<<<<<< HEAD
 /// A point, metres in the internal frame, along the axes of the lattice from its origin.
 #[inline]
 pub(crate) fn to_lattice(p: [f64; 3], origin: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
     let [x, y, z] = [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
     [x * cos + y * sin, y * cos - x * sin, z]
-=======
+}
+
 /// A normal of the side over the edge between two corners, outward.
 #[inline]
 fn outward(from: [f32; 2], to: [f32; 2]) -> DVec3 {
     let [a, b] = [from, to].map(|p| p.map(f64::from));
     DVec3::new(b[1] - a[1], a[0] - b[0], 0.0)
->>>>>>> p-walk
 }
 
 /// A ray among the prisms.
