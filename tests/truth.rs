@@ -153,3 +153,13 @@ fn random_shells_wound_at_random() {
         }
     }
 }
+
+/// Corners in a line but for their roundings: a triangle at which no ray can be aimed.
+#[test]
+fn slivers_narrower_than_any_ray_can_tell() {
+    let third = "v 2 1 1\nv 3 3 1\nv 1.6666666666666667 0.3333333333333333 1\n";
+    check(&read(&format!("{third}f 1 2 3\n")), 3000);
+    // One of two faces, far from the origin.
+    let far = "v 302 101 1\nv 303 103 1\nv 301.6666666666667 100.33333333333333 1\nv 305 101 4\n";
+    check(&read(&format!("{far}f 1 2 3\nf 1 4 2\n")), 3000);
+}

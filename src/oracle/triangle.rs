@@ -179,7 +179,18 @@ pub(crate) fn closest_point([a, b, c]: &Corners, p: [f64; 3]) -> [f64; 3] {
     }
     let whole = va + vb + vc;
     let q = along(*a, ab, vb / whole);
-    along(q, ac, vc / whole)
+    let within = along(q, ac, vc / whole);
+    // Of a sliver these volumes are all rounding: there, a side has the nearest point.
+    let on_side = |from: [f64; 3], way: [f64; 3]| {
+        let share = dot(sub(p, from), way) / dot(way, way);
+        along(from, way, share.clamp(0.0, 1.0))
+    };
+    let sides = [on_side(*a, ab), on_side(*b, sub(*c, *b)), on_side(*a, ac)];
+    let square = |q: &[f64; 3]| {
+        let way = sub(*q, p);
+        dot(way, way)
+    };
+    sides.into_iter().fold(within, |best, q| if square(&q) < square(&best) { q } else { best })
 }
 
 #[cfg(test)]
@@ -261,5 +272,12 @@ mod tests {
         assert_eq!(closest_point(&FLOOR, [2.0, -7.0, 1.0]), [2.0, 0.0, 0.0]);
         assert_eq!(closest_point(&FLOOR, [9.0, -1.0, 0.0]), [4.0, 0.0, 0.0]);
         assert!(apart(closest_point(&FLOOR, [-3.0, 6.0, 0.0]), [0.0, 4.0, 0.0]) < 1e-12);
+        // Corners in a line but for their roundings.
+        let sliver = [[2.0, -1.0, 1.0], [3.0, -1.0, 3.0], [5.0 / 3.0, -1.0, 1.0 / 3.0]];
+        for i in 0..1000 {
+            let share = f64::from(i) / 999.0;
+            let p = [5.0 / 3.0 + share * 4.0 / 3.0, -1.0, 1.0 / 3.0 + share * 8.0 / 3.0];
+            assert!(apart(closest_point(&sliver, p), p) < 1e-12, "{share}");
+        }
     }
 }

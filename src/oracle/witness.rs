@@ -206,6 +206,8 @@ impl<'a> Search<'a> {
             }
         }
         let mut places = arrangement.points();
+        // None across: a start that is moved along the ray, or a sliver that it passes.
+        places.push([0.0; 2]);
         places.extend(direct.into_iter().filter(|w| w[0].hypot(w[1]) <= self.truth.tolerance));
         places.sort_by(|a, b| {
             let square = |p: &Point| p[0] * p[0] + p[1] * p[1];
@@ -259,7 +261,8 @@ impl<'a> Search<'a> {
     /// across, is the one sought; and how far along the ray the hit is off.
     fn answers(&self, ray: &Ray, s: f64) -> Option<f64> {
         let tolerance = self.truth.tolerance;
-        match (self.sought, self.nearest_from_air(ray)?) {
+        let first = self.nearest_from_air(ray)?;
+        let met = match (self.sought, first) {
             (Sought::Escaped, None) => Some(0.0),
             (Sought::Hit { t, element }, Some(hit)) => {
                 let off = (hit.t + s - t).abs();
@@ -277,7 +280,48 @@ impl<'a> Search<'a> {
                 }
             }
             _ => None,
+        };
+        match self.sought {
+            Sought::Hit { t, element } if met.is_none() => {
+                let before = first.map_or(f64::INFINITY, |first| first.t + self.touch);
+                self.sliver(ray, t - s, element, before)
+            }
+            _ => met,
         }
+    }
+
+    /// Whether the ray passes a triangle of `element` that is narrower than rays can be aimed, as near as that, at about
+    /// `t` and not after `before`; and how far along the ray that is off. It stands for the ray that meets the triangle.
+    fn sliver(&self, ray: &Ray, t: f64, element: ElementId, before: f64) -> Option<f64> {
+        /// A side at less of an angle to the ray, in radians, is along it.
+        const ALONG_IT: f64 = 1e-3;
+        let (tolerance, narrow) = (self.truth.tolerance, 4.0 * self.step);
+        let line = Line::new(ray)?;
+        let soup = &self.truth.soup;
+        let near = self.truth.near_line(&line, t - tolerance, t + tolerance).into_iter();
+        let met = near.filter(|&index| soup.element(index) == element).filter_map(|index| {
+            let corners = soup.corners[index as usize];
+            let side = |i: usize| (corners[i], sub(corners[(i + 1) % 3], corners[i]));
+            let (from, way) =
+                (0..3).map(side).reduce(|a, b| if length(b.1) > length(a.1) { b } else { a })?;
+            let twice = length(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+            if twice > narrow * length(way) {
+                return None;
+            }
+            let from = sub(from, ray.origin);
+            let (flat, flat_way) = (self.project(from), self.project(way));
+            let square = flat_way[0] * flat_way[0] + flat_way[1] * flat_way[1];
+            if square.sqrt() < ALONG_IT * length(way) {
+                return None;
+            }
+            let share = -(flat[0] * flat_way[0] + flat[1] * flat_way[1]) / square;
+            let at = add(from, scale(way, share.clamp(0.0, 1.0)));
+            let [right, up] = self.project(at);
+            let met = dot(at, line.direction);
+            let off = (met - t).abs();
+            (right.hypot(up) <= narrow && met <= before && off <= tolerance).then_some(off)
+        });
+        met.min_by(f64::total_cmp)
     }
 
     /// What the ray hits first; `None` if it starts inside a carving solid.

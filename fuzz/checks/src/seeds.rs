@@ -30,7 +30,7 @@ pub fn all() -> Vec<(&'static str, Seeds)> {
 pub const PNG: &[u8] = b"\x89PNG\r\n\x1A\n\0\0\0\rIHDR\0\0\0\x02\0\0\0\x01\x08\0\0\0\0\xD1I V\0\0\0\x0BIDATx\x9Cchp\0\0\x01C\0\xC1_\xD4\x95\r\0\0\0\0IEND\xAEB`\x82";
 
 fn fixture(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
 }
 
 fn named<T: AsRef<[u8]>>(name: &str, bytes: T) -> (String, Vec<u8>) {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../corpus");
     for (target, seeds) in fuzz::seeds::all() {
         let folder = corpus.join(target);
         std::fs::create_dir_all(&folder)?;
