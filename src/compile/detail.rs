@@ -78,7 +78,8 @@ impl Assign<'_> {
         let tables = self.tables;
         // Along the lattice's axes, as the prisms.
         let scene = &tables.scene[0];
-        let local = |v: u32| to_lattice(tables.vertices[v as usize], scene.lattice_origin, scene.lattice_turn);
+        let local =
+            |v: u32| to_lattice(tables.vertices[v as usize], scene.lattice_origin, scene.lattice_turn);
         let corners = tables.triangles[triangle as usize].vertices.map(local);
         let [mut lo, mut hi] = [corners[0]; 2];
         for p in corners {

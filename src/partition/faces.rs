@@ -5,14 +5,14 @@
 //!   a roof and the attic under it share one plane.
 //! - One that is so steep that it runs no farther than two millimetres is a *sheet*: it is replaced by a level piece at
 //!   its lower or upper edge, so that matter shrinks and labels grow. Its own plane would explode on strips one unit wide.
-//! - A *vertical* one has no area in the plan. It plays no part in what is inside of what, so that missing and doubled
-//!   side triangles do no harm.
+//!   One that *leans* on a sloped face, as a gable does, is replaced by a piece along that slope.
+//! - A *vertical* one has no area in the plan. It only closes what roundings part, and is treated as a sheet for that.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::bodies::{Bodies, Body, Vertex};
+use super::bodies::{Bodies, Body, Corner3, Vertex};
 use crate::lattice::{Lattice, Plane, orient};
 
 /// How a triangle lies.
@@ -36,6 +36,8 @@ pub(super) struct Triangle {
     pub(super) lie: Lie,
     /// How far it runs in the plan, lattice units, if it is a sheet.
     pub(super) run: f32,
+    /// Whether it is a sheet or vertical, and shares an edge that is not level with a triangle that is neither.
+    pub(super) leans: bool,
 }
 
 impl Triangle {
@@ -73,8 +75,14 @@ pub(super) fn lay(bodies: &mut Bodies) -> Vec<Triangle> {
         for t in &body.triangles {
             let corners = t.corners.map(|v| body.vertices[v as usize]);
             let exact = t.corners.map(|v| DVec3::from(body.exact[v as usize]));
-            let mut triangle =
-                Triangle { body: b as u32, is_solid: body.is_solid, corners, lie: Lie::Vertical, run: 0.0 };
+            let mut triangle = Triangle {
+                body: b as u32,
+                is_solid: body.is_solid,
+                corners,
+                lie: Lie::Vertical,
+                run: 0.0,
+                leans: false,
+            };
             if triangle.double_area() != 0 {
                 if let Some(z) = levels.of_triangle(corners) {
                     triangle.lie = Lie::Flat(Plane::level(z));
@@ -96,7 +104,34 @@ pub(super) fn lay(bodies: &mut Bodies) -> Vec<Triangle> {
         }
     }
     share_planes(sloped, &lattice, &mut triangles);
+    lean(&bodies.bodies, levels.tilt, &mut triangles);
     triangles
+}
+
+/// Finds the steep triangles that lean on faces.
+fn lean(bodies: &[Body], tilt: i32, triangles: &mut [Triangle]) {
+    let mut rest = triangles;
+    for body in bodies {
+        let (own, others) = rest.split_at_mut(body.triangles.len());
+        rest = others;
+        let slopes = |t: &Corner3| {
+            [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+                let (a, b) = (t.corners[i], t.corners[j]);
+                let (p, q) = (body.vertices[a as usize], body.vertices[b as usize]);
+                ((p.z - q.z).abs() > tilt && p.at != q.at).then_some([a.min(b), a.max(b)])
+            })
+        };
+        let is_flat = |t: &Triangle| matches!(t.lie, Lie::Flat(_));
+        let flat = own.iter().zip(&body.triangles).filter(|(t, _)| is_flat(t));
+        let mut edges: Vec<[u32; 2]> = flat.flat_map(|(_, corners)| slopes(corners)).flatten().collect();
+        edges.sort_unstable();
+        if edges.is_empty() {
+            continue;
+        }
+        for (t, corners) in own.iter_mut().zip(&body.triangles).filter(|(t, _)| !is_flat(t)) {
+            t.leans = slopes(corners).iter().flatten().any(|edge| edges.binary_search(edge).is_ok());
+        }
+    }
 }
 
 /// How much area lies level at which height.

@@ -129,13 +129,11 @@ impl Draft {
             Lie::Flat(plane) => plane,
             // It has no area, but where roundings lead its lower and its upper edge past different sides of a point, it
             // closes what is between them. Without it matter would go on upwards there.
-            Lie::Vertical => Plane::level(polygon.iter().map(|v| v.z).min().unwrap_or(bottom)),
+            Lie::Vertical => replacement(t, &polygon, true),
             Lie::Sheet => {
                 // Matter shrinks, labels grow.
                 let looks_up = t.double_area() > 0;
-                let heights = polygon.iter().map(|v| v.z);
-                let z = if looks_up == t.is_solid { heights.min() } else { heights.max() };
-                Plane::level(z.unwrap_or(bottom))
+                replacement(t, &polygon, looks_up == t.is_solid)
             }
         };
         let face = self.face(t.body, plane);
@@ -195,6 +193,52 @@ impl Draft {
             pieces: self.pieces,
         }
     }
+}
+
+/// The plane that stands for a part of a steep triangle: at its lower (or upper) edge.
+fn replacement(t: &Triangle, polygon: &[Vertex], is_low: bool) -> Plane {
+    let heights = polygon.iter().map(|v| v.z);
+    let end = if is_low { heights.min() } else { heights.max() }.unwrap_or_default();
+    t.leans.then(|| chord(polygon, f64::from(t.run), is_low)).flatten().unwrap_or(Plane::level(end))
+}
+
+/// The plane through the lowest (or highest) points at both ends of a part of a steep triangle that runs `run` units, level
+/// across it: nowhere below its lower edges, and nowhere above its upper ones. `None` if it is too short.
+fn chord(polygon: &[Vertex], run: f64, is_low: bool) -> Option<Plane> {
+    let from = |a: &Vertex, b: &Vertex| {
+        [f64::from(b.at.x) - f64::from(a.at.x), f64::from(b.at.y) - f64::from(a.at.y)]
+    };
+    let mut long = [0.0; 2];
+    for (i, a) in polygon.iter().enumerate() {
+        for b in &polygon[i + 1..] {
+            let way = from(a, b);
+            if way[0].hypot(way[1]) > f64::hypot(long[0], long[1]) {
+                long = way;
+            }
+        }
+    }
+    let length = f64::hypot(long[0], long[1]);
+    // Corners that lie above each other but for the run and for roundings.
+    let together = 2.0 * (run + 1.0);
+    if length <= 2.0 * together {
+        return None;
+    }
+    let along = long.map(|c| c / length);
+    let place = |v: &Vertex| {
+        let way = from(&polygon[0], v);
+        way[0] * along[0] + way[1] * along[1]
+    };
+    let places = polygon.iter().map(place);
+    let (start, end) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(s, e), p| (s.min(p), e.max(p)));
+    let pick = |is_there: &dyn Fn(f64) -> bool| {
+        let there = polygon.iter().filter(|v| is_there(place(v)));
+        if is_low { there.min_by_key(|v| v.z) } else { there.max_by_key(|v| v.z) }
+    };
+    let first = pick(&|place| place <= start + together)?;
+    let last = pick(&|place| place >= end - together)?;
+    let slope = (f64::from(last.z) - f64::from(first.z)) / (place(last) - place(first));
+    let at = [first.at.x, first.at.y, first.z].map(f64::from);
+    Plane::sloped(along.map(|c| c * slope), at)
 }
 
 /// The part of a triangle strictly between two levels, closed again: counter-clockwise as the triangle is.

@@ -166,7 +166,7 @@ impl Building {
             if piece.relation != Relation::Twin {
                 classes.extend(match piece.shape {
                     Shape::Plate(..) => Some("thin plate"),
-                    Shape::Steep(_) => Some("nearly vertical"),
+                    Shape::Steep(_) | Shape::SteepGable(_) => Some("nearly vertical"),
                     Shape::Tilted(_) => Some("nearly level"),
                     Shape::L | Shape::U | Shape::LyingL | Shape::LyingU => Some("concave"),
                     _ => None,
@@ -354,7 +354,8 @@ fn shape() -> impl Strategy<Value = Shape> {
         8 => Just(Shape::Box),
         3 => prop::sample::select(vec![L, U, Triangle]),
         4 => prop::sample::select(vec![LyingL, LyingU, Gable, Wedge, Sheared, Tetrahedron, Pyramid]),
-        1 => steep.prop_map(Shape::Steep),
+        1 => steep.clone().prop_map(Shape::Steep),
+        1 => steep.prop_map(Shape::SteepGable),
         1 => tilt.prop_map(Shape::Tilted),
         1 => (thickness, 0usize..3).prop_map(|(thickness, axis)| Shape::Plate(thickness, axis)),
     ]

@@ -24,6 +24,8 @@ pub enum Shape {
     Pyramid,
     /// A box whose top is shifted by so many metres: nearly vertical sides.
     Steep(f64),
+    /// A roof whose gables lean by so many metres.
+    SteepGable(f64),
     /// A box whose top rises by so many metres.
     Tilted(f64),
     /// A board of this thickness across an axis.
@@ -68,6 +70,7 @@ impl Shape {
                 mesh
             }
             Shape::Steep(run) => loft(&SQUARE, size, |[x, y]| [x + run, y, h]),
+            Shape::SteepGable(run) => lay(loft(&TRIANGLE, [w, h, d], |[x, y]| [x, y, d + run * y / h]), d),
             Shape::Tilted(rise) => loft(&SQUARE, size, |[x, y]| [x, y, h + rise * x / w]),
             Shape::Plate(thickness, axis) => {
                 let size = [0, 1, 2].map(|i| if i == axis { thickness } else { size[i] });

@@ -57,9 +57,15 @@ fn heights(space: &Space<'_>, find: Find<'_>) {
     }
 }
 
-/// Units by which a ceiling may lie below the floor, across the steeper of both planes. Points of the plan are rounded, so
-/// that two planes that meet over an edge meet up to a unit beside it.
-const MOST_INVERTED: f64 = 2.0;
+/// Units, across the steeper of both planes, by which a ceiling may lie below the floor. Points of the plan are rounded, so
+/// that two planes that meet over an edge meet up to a unit beside it; and what rises by up to a millimetre is level, at
+/// the middle of its height.
+fn most_inverted(space: &Space<'_>) -> f64 {
+    2.0 + space.partition.lattice.steps(0.5e-3)
+}
+
+/// Units: what is narrower than this is rounding. Twice what rounding the plan moves on both sides.
+const NARROW: f64 = 4.0;
 
 /// How a cell's ceiling lies too far below its floor: over a part of the footprint that is wider than roundings are.
 fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
@@ -68,7 +74,7 @@ fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
     let cosine = cosine(floor).min(cosine(ceiling));
     let rise: Vec<f64> = footprint.iter().map(|&p| space.height(cell, p) as f64 / FINE as f64).collect();
     let least = rise.iter().copied().fold(f64::INFINITY, f64::min);
-    if least * cosine >= -MOST_INVERTED {
+    if least * cosine >= -most_inverted(space) {
         return None;
     }
     // The part that is upside down.
@@ -85,7 +91,7 @@ fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
         }
     }
     let width = width(&part);
-    (width > MOST_INVERTED).then(|| {
+    (width > NARROW).then(|| {
         let across = least * cosine;
         format!("ceiling {least} units below floor, {across} across, {width} wide; {footprint:?} {floor:?} {ceiling:?}")
     })
@@ -106,11 +112,11 @@ fn width(polygon: &[[f64; 2]]) -> f64 {
     if longest > 0.0 { area / longest } else { 0.0 }
 }
 
-/// Whether a cell is so thin, or so much upside down, that roundings are as large as it.
+/// Whether a cell is so thin that roundings are as large as it.
 fn is_splinter(space: &Space<'_>, c: usize) -> bool {
     let footprint: Vec<[f64; 2]> =
         space.footprints[c].iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
-    width(&footprint) < 2.0 * MOST_INVERTED
+    width(&footprint) < NARROW
 }
 
 /// What a cell's side has of another is what the other's has of it; only at the hull nothing lies beyond.
@@ -147,7 +153,7 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 let steep = [low_plane, high_plane].map(|plane| cosine(space.plane(plane)));
                 let cosine = steep[0].min(steep[1]);
                 let rise = (high - low) as f64 / 2.0 / FINE as f64;
-                if rise * cosine < -MOST_INVERTED && !is_splinter(space, c) {
+                if rise * cosine < -most_inverted(space) && !is_splinter(space, c) {
                     find("face inverted", format!("cell {c} section {i} face {k} by {rise} units"));
                 }
                 low_plane = high_plane;
@@ -157,7 +163,7 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 if other != NONE {
                     let shared = areas.entry((c as u32, other)).or_default();
                     shared.area += (high - low) * length;
-                    shared.slack += MOST_INVERTED / cosine * length as f64;
+                    shared.slack += most_inverted(space) / cosine * length as f64;
                     areas.entry((other, c as u32)).or_default();
                 }
                 low = high;
