@@ -9,7 +9,7 @@ use super::building::{Building, Element, Face, Kind, vector_area};
 use super::compose::compose;
 use super::flush::mark_flush_details;
 use super::global_id::global_id;
-use super::lattice::{Cuboid, Point, Rect, point_metres};
+use super::lattice::{Cuboid, Point, Rect, metres, point_metres};
 use super::palette::{self, Look};
 use super::patches::{Facing, Patch, Surface, patches};
 use super::plan::{Column, Paint, Plan, Top, stack};
@@ -195,6 +195,26 @@ impl Draft {
             intensity: candela,
             range: f64::INFINITY,
         });
+    }
+
+    /// How far, in the plan, the nearest detail is from a point; only what reaches up to less than half a metre below it
+    /// counts. Metres.
+    pub fn clearance(&self, [x, y, z]: [f64; 3]) -> f64 {
+        const BELOW: f64 = 0.5;
+        let of_detail = |plan: &Plan| {
+            let high = plan.columns.iter().flat_map(|column| &column.layers).any(|layer| match layer.top {
+                Top::Level(top) => layer.label.is_some() && metres(top) > z - BELOW,
+                Top::Slope(_) => true,
+            });
+            let bound = |axis: usize, pick: fn(i32, i32) -> i32| {
+                plan.points.iter().map(|p| p[axis]).reduce(pick).map_or(f64::INFINITY, metres)
+            };
+            let beyond =
+                |axis: usize, c: f64| (bound(axis, i32::min) - c).max(c - bound(axis, i32::max)).max(0.0);
+            let [dx, dy] = [beyond(0, x), beyond(1, y)];
+            if high { (dx * dx + dy * dy).sqrt() } else { f64::INFINITY }
+        };
+        self.details.iter().map(|(_, plan)| of_detail(plan)).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds an upright camera; points in metres, not one over the other.

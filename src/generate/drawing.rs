@@ -15,7 +15,7 @@ use super::furnish;
 use super::holes::{self, Filling, Hole};
 use super::interior::{self, Furnisher, Room, Window};
 use super::joinery::standing;
-use super::lattice::{Cuboid, Rect, metres};
+use super::lattice::{Cuboid, Rect};
 use super::palette::{self, Look};
 use super::plan::Plan;
 use super::stair::StairPlan;
@@ -302,21 +302,6 @@ impl<'a> Drawing<'a> {
         if self.complex.furniture {
             furnish::lamp(&mut self.draft, name, at);
         }
-    }
-
-    pub(super) fn cameras(&mut self) {
-        let Some(first) = self.complex.wings.first() else { return };
-        let Some(wing) = first.storeys.first() else { return };
-        let [south, north] = wing.corridor_rows();
-        let ([length, depth], middle) = (first.size(), (south + north) * MODULE / 2);
-        let at = |x: i32, y: i32, z: f64| {
-            let [x, y] = first.place([x, y]);
-            [metres(x), metres(y), z]
-        };
-        self.draft.camera("Corridor", at(8 * MODULE, middle, 1.6), at(length / 2, middle, 1.4), 60.0);
-        let high = metres(self.hull.hi[2]);
-        let outside = at(-60 * MODULE, -90 * MODULE, high * 0.8);
-        self.draft.camera("Outside", outside, at(length / 3, depth / 2, high * 0.2), 50.0);
     }
 
     /// Hangs a room's lamps and puts its furniture in.

@@ -11,6 +11,7 @@ use super::joinery::Hinge;
 use super::lattice::{Cuboid, units};
 use super::palette::{self, Look};
 use super::sheet::Embedding;
+use super::views;
 
 /// What [`house`] makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -244,7 +245,7 @@ pub fn house(options: &HouseOptions) -> Building {
         furnish::house(&mut draft);
     }
     draft.camera("Living room", [5.2, 0.75, 1.6], [2.0, 5.2, 1.05], 62.0);
-    draft.camera("Garden", [-4.6, -8.1, 2.1], [5.2, 3.4, 1.1], 46.0);
+    views::outside(&mut draft, "Garden", [[-0.5, -2.3, 0.0], [SIZE[0], 11.2, ROOF[1]]]);
     draft.finish()
 }
 

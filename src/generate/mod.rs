@@ -50,6 +50,7 @@ mod to_model;
 mod triangulate;
 mod truth;
 mod uses;
+mod views;
 mod wing;
 mod write;
 mod write_glb;
