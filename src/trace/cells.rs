@@ -68,12 +68,14 @@ pub(super) fn nearest<P: Probe>(
     }
     let mut ray = Crossing::new(tables, line, walk, query, probe);
     let mut way = DVec3::ZERO;
-    for _ in 0..=MOST_ASIDE {
+    for left in (0..MOST_ASIDE).rev() {
         match ray.run(hint) {
             Ok(ended) => return ended,
             Err(Lost::Along(push)) => {
                 way += push;
-                ray.begin(line, way);
+                // Whether it is as far aside as it may be, or in a wedge that pushes it to and fro: the last walk ends.
+                let may_push = left > 1 && way.length() + ray.clear < ray.surfaces.tolerance;
+                ray.begin(line, way, may_push);
             }
             Err(Lost::Astray) => break,
         }
@@ -90,6 +92,7 @@ fn again<P: Probe>(tables: &Views, line: &Line, surface: Option<Surface>, probe:
         let aside = Line { origin: line.origin + way, ..*line };
         let query = aside.query(tables, surface);
         let mut ray = Crossing::new(tables, &aside, Walk::new(tables), query, probe);
+        ray.may_push = false;
         if let Ok(mut ended) = ray.run(NONE) {
             let t = ended.found.t + way.dot(line.direction);
             ended.found.t = t.max(line.tmin).min(line.tmax);
@@ -110,8 +113,8 @@ struct Crossing<'a, 'p, P> {
     limit: f64,
     /// How far from matter rounding cannot reach, metres.
     clear: f64,
-    /// How far the path was moved aside, metres.
-    aside: f64,
+    /// Whether it may begin again farther from matter.
+    may_push: bool,
     probe: &'p mut P,
 }
 
@@ -122,14 +125,14 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         let surfaces = Surfaces::new(tables);
         let clear = path.prisms.clear.min(surfaces.tolerance / 4.0);
         let first = line.tmin.max(line.start);
-        Crossing { walk, path, surfaces, query, first, limit: line.tmax, clear, aside: 0.0, probe }
+        Crossing { walk, path, surfaces, query, first, limit: line.tmax, clear, may_push: true, probe }
     }
 
     /// Makes the path one that is `way` aside.
     #[cold]
-    fn begin(&mut self, line: &Line, way: DVec3) {
+    fn begin(&mut self, line: &Line, way: DVec3, may_push: bool) {
         self.path = Path::new(self.path.prisms, line.origin, line.direction, line.start).moved(way);
-        self.aside = way.length();
+        self.may_push = may_push;
     }
 
     /// The prism in which the ray starts, its path moved aside where needed.
@@ -267,9 +270,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         let normal = self.path.prisms.turned_back(outward);
         match self.surfaces.nearly_met(exit.source, at, normal, self.limit, &self.walk, &self.query) {
             Nearly::Met(found) => Ok(Some(found)),
-            Nearly::Grazed(_) if self.aside + self.clear < self.surfaces.tolerance => {
-                Err(Lost::Along(outward.normalize_or_zero() * -self.clear))
-            }
+            Nearly::Grazed(_) if self.may_push => Err(Lost::Along(outward.normalize_or_zero() * -self.clear)),
             Nearly::Grazed(found) => Ok(Some(found)),
             Nearly::Nothing => Ok(None),
         }
