@@ -102,7 +102,8 @@ impl<'a> Sides<'a> {
                     Some(sides) => {
                         let mut before: Vec<Face> = Vec::new();
                         for &side in sides {
-                            let start = self.slab.simple.plan.triangles[side.triangle as usize][side.edge as usize];
+                            let start =
+                                self.slab.simple.plan.triangles[side.triangle as usize][side.edge as usize];
                             let faces = self.faces(item, side, planes);
                             // What goes on straight with the same beyond it is one section.
                             if faces != before {
@@ -137,7 +138,8 @@ impl<'a> Sides<'a> {
             return vec![Face { top: NONE, cover: Cover { cell: NONE, source: NONE } }];
         }
         let corners = simple.plan.triangles[side.triangle as usize];
-        let ends = [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
+        let ends =
+            [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
         let height = |plane: u32| -> i128 {
             ends.iter().map(|&e| i128::from(self.slab.planes[plane as usize].height(e))).sum()
         };

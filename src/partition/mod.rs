@@ -100,7 +100,8 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Report
         let [low, high] = levels.map(|z| lattice.metres(2, f64::from(z)));
         PartitionError::Slab { low, high, why }
     };
-    let raw = each(ranges, |levels| raw_slab(&bodies, &triangles, levels, hull).map_err(|why| fail(levels, why)))?;
+    let raw =
+        each(ranges, |levels| raw_slab(&bodies, &triangles, levels, hull).map_err(|why| fail(levels, why)))?;
     lap(&mut report, "columns");
     let seen: Vec<(&Plan, &Columns)> = raw.iter().map(|r| (&r.plan, &r.columns)).collect();
     let labels = Labels::new(model, &bodies.bodies, &seen);

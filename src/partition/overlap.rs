@@ -19,7 +19,8 @@ impl<'a> Overlaps<'a> {
         let all = boxes.iter().flatten().copied().collect::<Vec<Point>>();
         let [lo, hi] = bounds(&all);
         let across = ((polygons.len() as f64).sqrt() as usize).clamp(1, 256);
-        let size = [(lo.x, hi.x), (lo.y, hi.y)].map(|(l, h)| (i64::from(h) - i64::from(l)) / across as i64 + 1);
+        let size =
+            [(lo.x, hi.x), (lo.y, hi.y)].map(|(l, h)| (i64::from(h) - i64::from(l)) / across as i64 + 1);
         let mut overlaps = Overlaps {
             polygons,
             boxes,
@@ -60,10 +61,8 @@ impl<'a> Overlaps<'a> {
                         && own[0].y < other[1].y
                         && other[0].y < own[1].y;
                     // In the first bucket only that both reach.
-                    let [first, _] = self.range([
-                        Point::new(own[0].x.max(other[0].x), own[0].y.max(other[0].y)),
-                        own[1],
-                    ]);
+                    let [first, _] =
+                        self.range([Point::new(own[0].x.max(other[0].x), own[0].y.max(other[0].y)), own[1]]);
                     if meet && first == [x, y] && overlap(polygon, &self.polygons[i as usize]) {
                         with(i as usize);
                     }
@@ -128,7 +127,8 @@ mod tests {
             kept = next;
         }
         let n = kept.len();
-        (0..n).map(|i| kept[i][0] * kept[(i + 1) % n][1] - kept[(i + 1) % n][0] * kept[i][1]).sum::<f64>() / 2.0
+        (0..n).map(|i| kept[i][0] * kept[(i + 1) % n][1] - kept[(i + 1) % n][0] * kept[i][1]).sum::<f64>()
+            / 2.0
     }
 
     proptest! {

@@ -142,7 +142,8 @@ impl Joiner<'_> {
             let below = k.checked_sub(1).and_then(|k| self.room(&stack[k]));
             let above = stack.get(k + 1).and_then(|item| self.room(item));
             // A step out of a room into the open is no gap: the other side must be matter or a room.
-            let closed = |k: Option<usize>| k.and_then(|k| stack.get(k)).is_some_and(|item| item.fill.is_some());
+            let closed =
+                |k: Option<usize>| k.and_then(|k| stack.get(k)).is_some_and(|item| item.fill.is_some());
             if let Some(label) = below.or(above)
                 && closed(k.checked_sub(1))
                 && closed(Some(k + 1))

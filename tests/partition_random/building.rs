@@ -65,6 +65,9 @@ pub enum Defect {
     TwoComponents,
 }
 
+/// How many classes [`Building::classes`] tells apart.
+pub const CLASSES: usize = 30;
+
 /// How local coordinates become the building's.
 #[derive(Clone, Copy)]
 struct Pose {
@@ -135,7 +138,7 @@ impl Building {
         model(&elements)
     }
 
-    /// The kinds of degeneracy in it.
+    /// The kinds of degeneracy in it, and other things to count.
     pub fn classes(&self) -> BTreeSet<&'static str> {
         let mut classes = BTreeSet::new();
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -230,9 +233,7 @@ fn beside(
         Relation::TJunction => (shifted(along(other[axis], other.map(|c| c * 0.3))), size),
         Relation::Overlap => (shifted(other.map(|c| c * 0.5)), size),
         Relation::Nested => (shifted(other.map(|c| c * 0.25)), other.map(|c| c * 0.5)),
-        Relation::NestedFace => {
-            (shifted(along(0.0, other.map(|c| c * 0.25))), other.map(|c| c * 0.5))
-        }
+        Relation::NestedFace => (shifted(along(0.0, other.map(|c| c * 0.25))), other.map(|c| c * 0.5)),
         Relation::Gap(gap) => (shifted(along(other[axis] + gap, [0.0; 3])), along(size[axis], other)),
     }
 }
@@ -243,7 +244,10 @@ impl Defect {
             Defect::None => {}
             Defect::Inverted => mesh.iter_mut().for_each(|t| t.swap(1, 2)),
             Defect::Mixed(bits) => {
-                mesh.iter_mut().enumerate().filter(|(i, _)| bits >> (i % 32) & 1 == 1).for_each(|(_, t)| t.swap(1, 2));
+                mesh.iter_mut()
+                    .enumerate()
+                    .filter(|(i, _)| bits >> (i % 32) & 1 == 1)
+                    .for_each(|(_, t)| t.swap(1, 2));
             }
             Defect::Cavity => {
                 // Small, and about a point inside all shapes.
@@ -269,8 +273,11 @@ pub fn buildings() -> impl Strategy<Value = Building> {
         1 => Just([4_321_987.25, 3_210_123.5, 112.0]),
         1 => Just([-4_321_987.3, 3_210_123.7, 0.1]),
     ];
-    (prop::collection::vec(pieces(), 1..=12), scale, at)
-        .prop_map(|(pieces, scale, at)| Building { pieces, scale, at })
+    (prop::collection::vec(pieces(), 1..=12), scale, at).prop_map(|(pieces, scale, at)| Building {
+        pieces,
+        scale,
+        at,
+    })
 }
 
 fn pieces() -> impl Strategy<Value = Piece> {

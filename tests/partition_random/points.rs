@@ -19,7 +19,9 @@ pub fn check(space: &Space<'_>, meshes: &Meshes<'_>, random: &mut Random) -> Vec
         let local = match k % 4 {
             0 => [0, 1, 2].map(|i| random.between(f64::from(hull[0][i]), f64::from(hull[1][i]))),
             // Halfway between lattice points.
-            1 => [0, 1, 2].map(|i| random.between(f64::from(hull[0][i]), f64::from(hull[1][i])).floor() + 0.5),
+            1 => {
+                [0, 1, 2].map(|i| random.between(f64::from(hull[0][i]), f64::from(hull[1][i])).floor() + 0.5)
+            }
             // In the box of an element.
             _ => {
                 let elements = &meshes.model.elements;
@@ -37,9 +39,16 @@ pub fn check(space: &Space<'_>, meshes: &Meshes<'_>, random: &mut Random) -> Vec
 }
 
 /// Checks one point, in lattice units.
-pub fn at(space: &Space<'_>, meshes: &Meshes<'_>, local: [f64; 3], find: &mut dyn FnMut(&'static str, String)) {
-    let depths: Vec<(usize, f64)> =
-        (0..space.footprints.len()).map(|c| (c, space.depth(c, local))).filter(|(_, d)| *d > -BORDER).collect();
+pub fn at(
+    space: &Space<'_>,
+    meshes: &Meshes<'_>,
+    local: [f64; 3],
+    find: &mut dyn FnMut(&'static str, String),
+) {
+    let depths: Vec<(usize, f64)> = (0..space.footprints.len())
+        .map(|c| (c, space.depth(c, local)))
+        .filter(|(_, d)| *d > -BORDER)
+        .collect();
     let inside: Vec<usize> = depths.iter().filter(|(_, d)| *d > BORDER).map(|(c, _)| *c).collect();
     if depths.is_empty() {
         find("no cell", format!("{local:?}"));
@@ -65,11 +74,12 @@ pub fn at(space: &Space<'_>, meshes: &Meshes<'_>, local: [f64; 3], find: &mut dy
     if expected.contains(&found) {
         return;
     }
-    let text = || format!("{local:?}, {distance} m from surfaces, cell {cell}: {found:?}, expected {expected:?}");
+    let text =
+        || format!("{local:?}, {distance} m from surfaces, cell {cell}: {found:?}, expected {expected:?}");
     match found {
         // A gap beside a room is the room's.
-        Label::Air(e) if expected == [Label::Exterior] && meshes.labels_room(e) => {
-            let far = meshes.distance_to(p, |other| other == e);
+        Label::Air(e) if expected == [Label::Exterior] && meshes.is_room(e) => {
+            let far = meshes.distance_to(p, e);
             if far > THIN + meshes.margin {
                 find("room too far", format!("{far} m; {}", text()));
             }

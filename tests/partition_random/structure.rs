@@ -126,6 +126,8 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
         (a.x == b.x && (a.x == hull[0][0] || a.x == hull[1][0]))
             || (a.y == b.y && (a.y == hull[0][1] || a.y == hull[1][1]))
     };
+    // Beside a steep plane a unit in the plan is many in height.
+    let steepest = space.partition.planes.iter().map(cosine).fold(1.0, f64::min);
     let mut areas: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
     for c in 0..space.footprints.len() {
         let (cell, footprint) = (space.cell(c), &space.footprints[c]);
@@ -136,7 +138,8 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 find("no face", format!("cell {c} section {i}"));
                 continue;
             }
-            let sum = |plane: u32| -> i128 { ends.iter().map(|&e| i128::from(space.plane(plane).height(e))).sum() };
+            let sum =
+                |plane: u32| -> i128 { ends.iter().map(|&e| i128::from(space.plane(plane).height(e))).sum() };
             let (mut low, mut low_plane) = (sum(cell.floor), cell.floor);
             for (k, face) in faces.iter().enumerate() {
                 let is_last = k + 1 == faces.len();
@@ -162,7 +165,7 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 if other != NONE {
                     let shared = areas.entry((c as u32, other)).or_default();
                     shared.area += (high - low) * length;
-                    shared.slack += most_inverted(space) / cosine * length as f64;
+                    shared.slack += most_inverted(space) / steepest * length as f64;
                     areas.entry((other, c as u32)).or_default();
                 }
                 low = high;
@@ -200,7 +203,8 @@ fn floors(space: &Space<'_>, find: Find<'_>) {
         for (is_above, plane) in [(false, cell.floor), (true, cell.ceiling)] {
             let mut others: Vec<u32> =
                 if is_above { space.above(cell).collect() } else { space.below(cell).collect() };
-            let at_hull = *space.plane(plane) == enfilade::lattice::Plane::level(hull[usize::from(is_above)][2]);
+            let at_hull =
+                *space.plane(plane) == enfilade::lattice::Plane::level(hull[usize::from(is_above)][2]);
             if others.contains(&NONE) != at_hull || (at_hull && others != [NONE]) {
                 find("hull floor", format!("cell {c} above {is_above}: {others:?}"));
             }
@@ -225,7 +229,10 @@ fn floors(space: &Space<'_>, find: Find<'_>) {
                 sum += common_area(&space.footprints[c], &space.footprints[other as usize]);
             }
             if !at_hull && (sum - whole).abs() > 1e-9 * whole + 1e-2 {
-                find("floor areas", format!("cell {c} above {is_above}: twice {sum} of {whole} square units"));
+                find(
+                    "floor areas",
+                    format!("cell {c} above {is_above}: twice {sum} of {whole} square units"),
+                );
             }
         }
     }
@@ -301,7 +308,10 @@ fn exterior(space: &Space<'_>, find: Find<'_>) {
     }
     for c in (0..reached.len()).filter(|&c| is_unlabelled(c)) {
         if (space.cell(c).label == Label::Exterior) != reached[c] {
-            find("exterior", format!("cell {c} is {:?}, volume {:e} m3", space.cell(c).label, space.volume(c)));
+            find(
+                "exterior",
+                format!("cell {c} is {:?}, volume {:e} m3", space.cell(c).label, space.volume(c)),
+            );
         }
     }
 }

@@ -65,7 +65,8 @@ enum Walk {
 }
 
 fn walk(space: &Space<'_>, start: usize, from: [f64; 3], direction: [f64; 3]) -> Walk {
-    let side = |p: Point| direction[0] * (f64::from(p.y) - from[1]) - direction[1] * (f64::from(p.x) - from[0]);
+    let side =
+        |p: Point| direction[0] * (f64::from(p.y) - from[1]) - direction[1] * (f64::from(p.x) - from[0]);
     let rise = |plane: &Plane| {
         direction[2] - (plane.p as f64 * direction[0] + plane.q as f64 * direction[1]) / FINE as f64
     };
@@ -113,7 +114,8 @@ fn walk(space: &Space<'_>, start: usize, from: [f64; 3], direction: [f64; 3]) ->
                         })
                         .fold(f64::INFINITY, f64::min)
                 };
-                let best = others.iter().filter(|&&c| c != NONE).max_by(|a, b| inside(**a).total_cmp(&inside(**b)));
+                let best =
+                    others.iter().filter(|&&c| c != NONE).max_by(|a, b| inside(**a).total_cmp(&inside(**b)));
                 if let Some(&best) = best
                     && inside(best) < -1.0
                 {

@@ -112,9 +112,8 @@ impl Cutter {
         for into in &mut self.into {
             into.clear();
         }
-        let reflex: Vec<bool> = (0..n)
-            .map(|k| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]))
-            .collect();
+        let reflex: Vec<bool> =
+            (0..n).map(|k| is_reflex(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n])).collect();
         self.diagonals.clear();
         for i in 0..n {
             // The edge from n - 1 to 0 closes the polygon and is no link.
@@ -232,4 +231,3 @@ fn sees(corners: &[Point], i: usize, j: usize) -> bool {
     }
     true
 }
-

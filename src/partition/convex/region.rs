@@ -35,7 +35,9 @@ impl Region {
                 return Err(RegionError::ShortChain(chain.len()));
             }
             // Every vertex is among the ids: they were taken from the chains.
-            region.chains.push(chain.iter().map(|v| region.ids.partition_point(|id| id < v) as u32).collect());
+            region
+                .chains
+                .push(chain.iter().map(|v| region.ids.partition_point(|id| id < v) as u32).collect());
         }
         region.check()?;
         if touching {
@@ -82,9 +84,7 @@ impl Region {
             spokes.push((a, b, k as u32, false));
             spokes.push((b, a, k as u32, true));
         }
-        spokes.sort_by(|s, t| {
-            s.0.cmp(&t.0).then_with(|| by_angle(self.at(s.0), self.at(s.1), self.at(t.1)))
-        });
+        spokes.sort_by(|s, t| s.0.cmp(&t.0).then_with(|| by_angle(self.at(s.0), self.at(s.1), self.at(t.1))));
         let mut after = vec![0u32; edges.len()];
         for about in spokes.chunk_by(|s, t| s.0 == t.0) {
             for (k, spoke) in about.iter().enumerate() {

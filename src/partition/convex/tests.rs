@@ -238,8 +238,18 @@ fn families(r: &mut Random, family: usize) -> Drawn {
             }
         }
     }
-    let xs: Vec<f64> = (0..=w).scan(0.0, |s, _| { *s += (2000 + r.below(60000)) as f64; Some(*s) }).collect();
-    let ys: Vec<f64> = (0..=h).scan(0.0, |s, _| { *s += (2000 + r.below(60000)) as f64; Some(*s) }).collect();
+    let xs: Vec<f64> = (0..=w)
+        .scan(0.0, |s, _| {
+            *s += (2000 + r.below(60000)) as f64;
+            Some(*s)
+        })
+        .collect();
+    let ys: Vec<f64> = (0..=h)
+        .scan(0.0, |s, _| {
+            *s += (2000 + r.below(60000)) as f64;
+            Some(*s)
+        })
+        .collect();
     let filled = connected(&filled, w);
     draw(&filled, w, false, true, |x, y| place(xs[x], ys[y]))
 }
@@ -269,9 +279,26 @@ fn measure() {
             hm += c(&m);
             m.improve();
             lnst += c(&m);
-            let reflex: usize = d.loops.iter().map(|l| (0..l.len()).filter(|&k| best::is_reflex(d.points[l[k] as usize], d.points[l[(k+1)%l.len()] as usize], d.points[l[(k+2)%l.len()] as usize])).count()).sum();
+            let reflex: usize = d
+                .loops
+                .iter()
+                .map(|l| {
+                    (0..l.len())
+                        .filter(|&k| {
+                            best::is_reflex(
+                                d.points[l[k] as usize],
+                                d.points[l[(k + 1) % l.len()] as usize],
+                                d.points[l[(k + 2) % l.len()] as usize],
+                            )
+                        })
+                        .count()
+                })
+                .sum();
             low += (reflex.div_ceil(2) + 2).saturating_sub(d.loops.len()).max(1);
         }
-        println!("family {family}: {count} regions, {vs} vertices, triangles {tri}, HM {hm}, HM+patch {lnst}, ours {parts}, bound {low}; {:?} each, worst {worst:?}", time / count);
+        println!(
+            "family {family}: {count} regions, {vs} vertices, triangles {tri}, HM {hm}, HM+patch {lnst}, ours {parts}, bound {low}; {:?} each, worst {worst:?}",
+            time / count
+        );
     }
 }
