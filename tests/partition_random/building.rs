@@ -65,6 +65,9 @@ pub enum Defect {
     TwoComponents,
 }
 
+/// How many classes [`Building::classes`] tells apart.
+pub const CLASSES: usize = 30;
+
 /// How local coordinates become the building's.
 #[derive(Clone, Copy)]
 struct Pose {
@@ -135,7 +138,7 @@ impl Building {
         model(&elements)
     }
 
-    /// The kinds of degeneracy in it.
+    /// The kinds of degeneracy in it, and other things to count.
     pub fn classes(&self) -> BTreeSet<&'static str> {
         let mut classes = BTreeSet::new();
         for (i, piece) in self.pieces.iter().enumerate() {

@@ -1,6 +1,9 @@
 //! The partition of small random buildings, degenerate on purpose: what must hold, holds.
+//!
+//! `PROPTEST_CASES` says how many buildings are tried; without it, a few hundred, always the same.
 
 mod building;
+mod found;
 mod points;
 mod solids;
 mod space;
@@ -8,11 +11,27 @@ mod structure;
 mod truth;
 mod walk;
 
-use building::Building;
-use enfilade::importers::Untagged;
+use std::collections::BTreeMap;
+
+use building::{Building, buildings};
+use enfilade::importers::{Model, Untagged};
+use enfilade::lattice::FINE;
+use enfilade::partition::cells::{Label, Partition};
 use enfilade::partition::partition;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngSeed, TestRunner};
 use space::{Finding, Space};
 use truth::{Meshes, Random};
+
+/// So many cases, always the same; or as many as the environment asks for, at random.
+fn cases(few: u32) -> ProptestConfig {
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    match std::env::var_os("PROPTEST_CASES") {
+        Some(_) => config,
+        None => ProptestConfig { cases: few, rng_seed: RngSeed::Fixed(1), ..config },
+    }
+}
 
 /// All that is wrong with the partition of a building.
 fn findings(building: &Building, seed: u64) -> Vec<Finding> {
@@ -28,4 +47,81 @@ fn findings(building: &Building, seed: u64) -> Vec<Finding> {
     findings.extend(points::check(&space, &meshes, &mut random));
     findings.extend(walk::check(&space, &meshes, &mut random));
     findings
+}
+
+proptest! {
+    #![proptest_config(cases(600))]
+
+    #[test]
+    fn cells_are_right(building in buildings(), seed in any::<u64>()) {
+        let findings = findings(&building, seed);
+        prop_assert!(findings.is_empty(), "{findings:#?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    #[test]
+    fn the_order_of_elements_changes_little(building in buildings()) {
+        let [there, back] = [false, true].map(|reversed| volumes(&made(&building.model(reversed))));
+        // Of planes less than 0.3 mm apart the first is taken, of heights that differ by less than 1 mm the commonest.
+        let area: f64 = building.elements().iter().flat_map(|(_, mesh)| mesh).map(triangle_area).sum();
+        for (a, b) in there.iter().zip(back) {
+            prop_assert!((a - b).abs() <= 1e-3 * area, "{there:?} {back:?}, {area} m2 of surface");
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing(building in buildings()) {
+        let model = building.model(false);
+        let [one, two] = [1, 2].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| made(&model))
+        });
+        prop_assert!(one == two);
+    }
+}
+
+/// In at least this share of the buildings each kind of degeneracy is met.
+const COMMON: f64 = 0.05;
+
+#[test]
+fn every_kind_of_degeneracy_is_common() {
+    let mut runner = TestRunner::new(cases(0));
+    let (mut histogram, count) = (BTreeMap::<&str, u32>::new(), 4000);
+    for _ in 0..count {
+        let building = buildings().new_tree(&mut runner).unwrap().current();
+        building.classes().into_iter().for_each(|class| *histogram.entry(class).or_default() += 1);
+    }
+    println!("of {count} buildings");
+    for (class, times) in &histogram {
+        println!("{:5.1} %  {class}", 100.0 * f64::from(*times) / f64::from(count));
+    }
+    assert_eq!(histogram.len(), building::CLASSES);
+    assert!(histogram.values().all(|&times| f64::from(times) >= COMMON * f64::from(count)));
+}
+
+fn made(model: &Model) -> Partition {
+    partition(model, Untagged::default()).unwrap().0
+}
+
+/// Of matter, of labelled air, and of the rest without the margin around it, m3.
+fn volumes(partition: &Partition) -> [f64; 2] {
+    let space = Space::new(partition);
+    let mut sums = [0i128; 2];
+    for (c, cell) in partition.cells.iter().enumerate() {
+        match cell.label {
+            Label::Solid(_) => sums[0] += space.six_volumes(c),
+            Label::Air(_) => sums[1] += space.six_volumes(c),
+            Label::Exterior | Label::Void => {}
+        }
+    }
+    sums.map(|sum| sum as f64 / 6.0 / FINE as f64 * partition.lattice.step().powi(3))
+}
+
+fn triangle_area(&[a, b, c]: &[[f64; 3]; 3]) -> f64 {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|i| p[i] - a[i]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    normal.iter().map(|c| c * c).sum::<f64>().sqrt() / 2.0
 }

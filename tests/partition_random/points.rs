@@ -78,8 +78,8 @@ pub fn at(
         || format!("{local:?}, {distance} m from surfaces, cell {cell}: {found:?}, expected {expected:?}");
     match found {
         // A gap beside a room is the room's.
-        Label::Air(e) if expected == [Label::Exterior] && meshes.labels_room(e) => {
-            let far = meshes.distance_to(p, |other| other == e);
+        Label::Air(e) if expected == [Label::Exterior] && meshes.is_room(e) => {
+            let far = meshes.distance_to(p, e);
             if far > THIN + meshes.margin {
                 find("room too far", format!("{far} m; {}", text()));
             }

@@ -126,6 +126,8 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
         (a.x == b.x && (a.x == hull[0][0] || a.x == hull[1][0]))
             || (a.y == b.y && (a.y == hull[0][1] || a.y == hull[1][1]))
     };
+    // Beside a steep plane a unit in the plan is many in height.
+    let steepest = space.partition.planes.iter().map(cosine).fold(1.0, f64::min);
     let mut areas: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
     for c in 0..space.footprints.len() {
         let (cell, footprint) = (space.cell(c), &space.footprints[c]);
@@ -163,7 +165,7 @@ fn sides(space: &Space<'_>, find: Find<'_>) {
                 if other != NONE {
                     let shared = areas.entry((c as u32, other)).or_default();
                     shared.area += (high - low) * length;
-                    shared.slack += most_inverted(space) / cosine * length as f64;
+                    shared.slack += most_inverted(space) / steepest * length as f64;
                     areas.entry((other, c as u32)).or_default();
                 }
                 low = high;

@@ -66,7 +66,8 @@ impl<'a> Meshes<'a> {
         self.is(e, &[Semantic::Door, Semantic::Window, Semantic::Opening])
     }
 
-    fn is_room(&self, e: ElementId) -> bool {
+    /// Whether an element labels a room.
+    pub fn is_room(&self, e: ElementId) -> bool {
         self.is(e, &[Semantic::Room, Semantic::Stairwell])
     }
 
@@ -137,31 +138,27 @@ impl<'a> Meshes<'a> {
         labels
     }
 
-    /// Whether an element is a room's label.
-    pub fn labels_room(&self, e: ElementId) -> bool {
-        self.is_room(e)
-    }
-
     /// The distance of a point from the nearest surface that carves or labels.
     pub fn distance(&self, p: [f64; 3]) -> f64 {
-        self.distance_to(p, |e| matches!(self.roles[e.0 as usize], Role::Solid | Role::Air))
+        self.nearest(p, |e| matches!(self.roles[e.0 as usize], Role::Solid | Role::Air))
     }
 
     /// The distance of a point from the nearest surface that carves.
     pub fn distance_to_solids(&self, p: [f64; 3]) -> f64 {
-        self.distance_to(p, |e| self.roles[e.0 as usize] == Role::Solid)
+        self.nearest(p, |e| self.roles[e.0 as usize] == Role::Solid)
     }
 
-    /// The distance of a point from the nearest triangle of some elements.
-    pub fn distance_to(&self, p: [f64; 3], of: impl Fn(ElementId) -> bool) -> f64 {
-        let mut least = f64::INFINITY;
-        for (e, element) in self.model.elements.iter().enumerate().filter(|(e, _)| of(ElementId(*e as u32))) {
-            let _ = e;
-            for t in 0..element.mesh.triangles.len() {
-                least = least.min(distance(element.mesh.corners(t), p));
-            }
-        }
-        least
+    /// The distance of a point from an element's surface.
+    pub fn distance_to(&self, p: [f64; 3], element: ElementId) -> f64 {
+        self.nearest(p, |e| e == element)
+    }
+
+    fn nearest(&self, p: [f64; 3], of: impl Fn(ElementId) -> bool) -> f64 {
+        let elements = self.model.elements.iter().enumerate().filter(|(e, _)| of(ElementId(*e as u32)));
+        elements
+            .flat_map(|(_, element)| (0..element.mesh.triangles.len()).map(|t| element.mesh.corners(t)))
+            .map(|corners| distance(corners, p))
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
