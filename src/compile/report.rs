@@ -181,7 +181,11 @@ pub(super) fn make(
         version: env!("CARGO_PKG_VERSION"),
         source: model.source.clone(),
         source_hash: format!("{:016x}", model.source_hash),
-        options: BTreeMap::from([("tolerance", format!("{}", options.tolerance)), ("untagged", untagged)]),
+        options: BTreeMap::from([
+            ("cells", options.cells.to_string()),
+            ("tolerance", format!("{}", options.tolerance)),
+            ("untagged", untagged),
+        ]),
         unit: scene.unit,
         offset: scene.offset,
         hull: scene.hull,

@@ -27,6 +27,18 @@ pub enum NotCarved {
     Flat,
 }
 
+impl NotCarved {
+    /// The reason in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            NotCarved::Open => "open",
+            NotCarved::TooManyFaces => "too many faces for their volume",
+            NotCarved::Far => "far from the building",
+            NotCarved::Flat => "without volume",
+        }
+    }
+}
+
 /// A triangle of a body: corners as indices into the body's vertices, outward.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner3 {
