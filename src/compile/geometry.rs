@@ -84,8 +84,10 @@ fn part(element: &Element, untagged: Untagged) -> Part {
 
 /// Fills the sections `vertices`, `triangles` and `volumes`. Rooms are not known yet.
 pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gathered {
-    let mut gathered = Gathered::default();
-    gathered.index = model.elements.iter().map(|e| vec![NONE; e.mesh.triangles.len()]).collect();
+    let mut gathered = Gathered {
+        index: model.elements.iter().map(|e| vec![NONE; e.mesh.triangles.len()]).collect(),
+        ..Gathered::default()
+    };
     let mut index = vec![NONE; model.elements.iter().map(|e| e.mesh.positions.len()).max().unwrap_or(0)];
     for labels in [false, true] {
         for (e, (element, part)) in model.elements.iter().zip(parts).enumerate() {

@@ -1,6 +1,7 @@
 //! From prisms to cells: what lies beyond each part of their sides, floors and ceilings.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use enfilade_importers::ElementId;
 
@@ -235,30 +236,31 @@ fn cover(slabs: &[Built], firsts: &[u32], partition: &mut Partition) {
             pair(partition, &above, &below, &mut touching);
         }
     }
-    let mut add = |of: &dyn Fn(&(u32, u32)) -> (u32, u32), is_above: bool| {
-        let mut pairs: Vec<(u32, u32)> = touching.iter().map(of).collect();
-        pairs.sort_unstable();
-        let mut next = 0;
-        for cell in 0..partition.cells.len() as u32 {
-            let start = partition.covers.len() as u32;
-            while next < pairs.len() && pairs[next].0 == cell {
-                partition.covers.push(Cover { cell: pairs[next].1, source: NONE });
-                next += 1;
-            }
-            if partition.covers.len() as u32 == start {
-                partition.covers.push(Cover { cell: NONE, source: NONE });
-            }
-            let range = start..partition.covers.len() as u32;
-            let cell = &mut partition.cells[cell as usize];
-            if is_above {
-                cell.above = range;
-            } else {
-                cell.below = range;
-            }
+    let reversed: Vec<(u32, u32)> = touching.iter().map(|&(above, below)| (below, above)).collect();
+    let below = add_covers(partition, touching);
+    let above = add_covers(partition, reversed);
+    for (cell, (below, above)) in partition.cells.iter_mut().zip(below.into_iter().zip(above)) {
+        (cell.below, cell.above) = (below, above);
+    }
+}
+
+/// Adds the covers that pairs of (cell, cell beyond) are, the hull for cells that have none; returns each cell's.
+fn add_covers(partition: &mut Partition, mut pairs: Vec<(u32, u32)>) -> Vec<Range<u32>> {
+    pairs.sort_unstable();
+    let mut next = 0;
+    let mut ranges = Vec::with_capacity(partition.cells.len());
+    for cell in 0..partition.cells.len() as u32 {
+        let start = partition.covers.len() as u32;
+        while next < pairs.len() && pairs[next].0 == cell {
+            partition.covers.push(Cover { cell: pairs[next].1, source: NONE });
+            next += 1;
         }
-    };
-    add(&|&(above, below)| (above, below), false);
-    add(&|&(above, below)| (below, above), true);
+        if partition.covers.len() as u32 == start {
+            partition.covers.push(Cover { cell: NONE, source: NONE });
+        }
+        ranges.push(start..partition.covers.len() as u32);
+    }
+    ranges
 }
 
 /// Adds the pairs of cells whose footprints overlap.

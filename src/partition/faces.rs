@@ -91,8 +91,7 @@ pub(super) fn lay(bodies: &mut Bodies) -> Vec<Triangle> {
                     let slope = normal.truncate().length() / normal.z.abs();
                     let [low, high] = triangle.rise();
                     let run = f64::from(high - low) / slope;
-                    // Written so that a slope that is no number makes a sheet.
-                    if !(slope <= Plane::STEEPEST) || run <= lattice.steps(RUN) {
+                    if slope.is_nan() || slope > Plane::STEEPEST || run <= lattice.steps(RUN) {
                         triangle.lie = Lie::Sheet;
                         triangle.run = if run.is_finite() { run as f32 } else { 0.0 };
                     } else {
