@@ -3,15 +3,17 @@
 
 mod common;
 
-use common::Random;
 use common::prisms::{Made, Style, make};
+use common::{Random, enf};
 use enfilade::importers::Untagged;
-use enfilade::oracle::{TrueAnswer, Truth, TruthOptions};
+use enfilade::lattice::{Plane, Point};
+use enfilade::oracle::{RayKind, RaySource, TrueAnswer, Truth, TruthOptions};
+use enfilade::partition::cells::{NONE, Partition};
 use enfilade::roles::roles;
 use enfilade::verify::{Case, Said, VerifyReport};
 use enfilade::{
-    Answer, CompileOptions, Hit, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want, compile,
-    compile_partition, verify,
+    Answer, CompileError, CompileOptions, Hit, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want,
+    compile, compile_partition, verify,
 };
 
 const BOXES: Style = Style {
@@ -24,35 +26,59 @@ const BOXES: Style = Style {
     furniture: 30,
     around: 0,
     grain: 1 << 13,
+    strips: 1,
 };
 
-/// The kinds of partitions that every test goes through.
-fn styles() -> Vec<(&'static str, Style)> {
-    vec![
-        ("boxes", BOXES),
-        ("few numbers", Style { grain: 1 << 16, furniture: 0, ..BOXES }),
-        ("boxes off the lattice", Style { moved: 0.49, grain: 1, ..BOXES }),
-        ("triangles", Style { oblique: 0.6, ..BOXES }),
-        ("triangles off the lattice", Style { oblique: 0.6, moved: 0.49, grain: 1, ..BOXES }),
-        ("slopes", Style { sloped: 0.8, ..BOXES }),
-        (
-            "slopes and triangles off the lattice",
-            Style { oblique: 0.5, sloped: 0.7, moved: 0.49, grain: 1, ..BOXES },
-        ),
-        ("far things", Style { oblique: 0.3, sloped: 0.3, around: 40, ..BOXES }),
-    ]
+/// Partitions that are just as the model is.
+const EXACT: [(&str, Style); 6] = [
+    ("boxes", BOXES),
+    ("few numbers", Style { grain: 1 << 16, furniture: 0, ..BOXES }),
+    ("triangles", Style { oblique: 0.6, ..BOXES }),
+    ("slopes", Style { sloped: 0.8, ..BOXES }),
+    ("far things", Style { oblique: 0.3, sloped: 0.3, around: 40, ..BOXES }),
+    ("strips", Style { oblique: 0.3, sloped: 0.3, strips: 10, ..BOXES }),
+];
+
+/// Partitions whose model has all corners off the lattice, so that its solids overlap and have cracks between them.
+const ROUNDED: [(&str, Style); 3] = [
+    ("boxes off the lattice", Style { moved: 0.49, grain: 1, ..BOXES }),
+    ("triangles off the lattice", Style { oblique: 0.6, moved: 0.49, grain: 1, ..BOXES }),
+    (
+        "slopes and triangles off the lattice",
+        Style { oblique: 0.5, sloped: 0.7, moved: 0.49, grain: 1, ..BOXES },
+    ),
+];
+
+fn random_made(style: &Style, seed: u64) -> Made {
+    make(&mut Random(seed * 77 + 1), style)
 }
 
 fn compiled(made: &Made) -> Scene {
     compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap().scene()
 }
 
-/// The cases of `report` that are wrong indeed: for which not even rays shifted by any of some hundred ways have the
-/// given answer. (The search for witnesses that `verify` makes knows the edges that it must go around, but not all of the
-/// places where a ray may start that begins at the corner of a solid.)
-fn truly_wrong(made: &Made, report: &VerifyReport) -> Vec<Case> {
+fn whole(made: &Made) -> Scene {
+    compile(&made.model, &CompileOptions::default()).unwrap().scene()
+}
+
+fn truth(made: &Made) -> Truth {
     let roles = roles(&made.model, Untagged::default());
-    let truth = Truth::new(&made.model, |e| roles[e.0 as usize], &TruthOptions::default());
+    Truth::new(&made.model, |e| roles[e.0 as usize], &TruthOptions::default())
+}
+
+fn verified(made: &Made, scene: &Scene, rays: u64, seed: u64) -> VerifyReport {
+    let roles = roles(&made.model, Untagged::default());
+    let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
+    let mut options = VerifyOptions::default().with_rays(rays).with_grid_rays(100).with_seed(seed);
+    options.cases = 1000;
+    verify(&made.model, |e| roles[e.0 as usize], &tracer, &options).unwrap()
+}
+
+/// The cases of `report` that are wrong indeed: for which not even rays shifted by any of some hundred ways have the
+/// given answer. (The search for witnesses that `verify` makes knows the edges that it must go around, but not all of
+/// the places where a ray may start that begins at the corner of a solid.)
+fn truly_wrong(made: &Made, report: &VerifyReport) -> Vec<Case> {
+    let truth = truth(made);
     let steps = [-4e-4, -5e-5, -5e-6, -3e-7, 0.0, 3e-7, 5e-6, 5e-5, 4e-4];
     let agrees = |said: &Said, exact: &TrueAnswer| match (said, exact) {
         (Said::Hit { t, element }, TrueAnswer::Hit(n)) => n.element.0 == *element && (n.t - t).abs() <= 1e-3,
@@ -72,72 +98,297 @@ fn truly_wrong(made: &Made, report: &VerifyReport) -> Vec<Case> {
     report.wrong.iter().filter(|case| !has_witness(case)).cloned().collect()
 }
 
-fn verified(made: &Made, scene: &Scene, rays: u64, seed: u64) -> VerifyReport {
-    let roles = roles(&made.model, Untagged::default());
-    let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
-    let mut options = VerifyOptions::default().with_rays(rays).with_grid_rays(100).with_seed(seed);
-    options.cases = 1000;
-    verify(&made.model, |e| roles[e.0 as usize], &tracer, &options).unwrap()
-}
-
 #[test]
-fn explore() {
-    let n: u64 = std::env::var("SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
-    for (name, style) in styles() {
-        let mut sums = [0u64; 12];
-        for seed in 0..n {
-            let made = make(&mut Random(seed * 77 + 1), &style);
+fn exact_partitions_answer_right() {
+    for (name, style) in EXACT {
+        for seed in 0..4 {
+            let made = random_made(&style, seed);
             let scene = compiled(&made);
-            let whole = compile(&made.model, &CompileOptions::default()).unwrap().scene();
-            for (k, (scene, name2)) in [(&scene, "MINE"), (&whole, "WHOLE")].into_iter().enumerate() {
-                let report = verified(&made, scene, 20000, seed);
-                let wrong = truly_wrong(&made, &report);
-                let t = &report.total;
-                for (i, v) in
-                    [t.exact, t.edge, t.wrong, wrong.len() as u64, t.close + t.flush].into_iter().enumerate()
-                {
-                    sums[k + 2 * i] += v;
-                }
-                for case in wrong {
-                    println!("{name} {seed} {name2} {case:?}");
-                }
-            }
+            let report = verified(&made, &scene, 6000, seed);
+            println!("{name} {seed}: {} cells, {:?}", scene.cells().len(), report.total);
+            assert!(scene.cells().len() > 50 && report.total.hits > 1000);
+            let wrong = truly_wrong(&made, &report);
+            assert!(wrong.is_empty(), "{name} {seed}: {wrong:?}");
+            assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
+            assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }
-        println!("== {name}: exact, edge, wrong, truly, close {sums:?}");
     }
 }
 
 #[test]
-fn one() {
-    let Ok(spec) = std::env::var("ONE") else { return };
-    let v: Vec<f64> = spec.split(',').map(|x| x.trim().parse().unwrap()).collect();
-    let (_, style) = styles()[v[0] as usize];
-    let made = make(&mut Random(v[1] as u64 * 77 + 1), &style);
-    let roles = roles(&made.model, Untagged::default());
-    let truth = Truth::new(&made.model, |e| roles[e.0 as usize], &TruthOptions::default());
-    let ray = Ray::new([v[2], v[3], v[4]], [v[5], v[6], v[7]]);
-    let (mine, whole) = (compiled(&made), compile(&made.model, &CompileOptions::default()).unwrap().scene());
-    for scene in [&whole, &mine] {
-        let a = scene.trace(&ray);
-        println!("{a:?}\n  {:?}", truth.judge(&ray, &a));
-        println!("  cost {:?}", scene.trace_cost_from(Start::Anywhere, &ray, Want::default()).1);
-        for i in 0..9 {
-            for j in 0..9 {
-                for k in 0..3 {
-                    let at = |i: i32| [-5e-4, -1e-4, -2e-5, -5e-6, 0.0, 5e-6, 2e-5, 1e-4, 5e-4][i as usize];
-                    let o = ray.origin;
-                    let o = [o[0] + at(i), o[1] + at(j), o[2] + at([0, 1, 2][k])];
-                    println!(
-                        "   shift {} {} {k} {:?}",
-                        at(i),
-                        at(j),
-                        truth.answer(&Ray::new(o, ray.direction))
-                    );
-                }
-            }
-        }
-        if let Answer::Hit(h) = a {
-            println!("  corners {:?}", scene.triangle(h.triangle));
+fn rounded_partitions_answer_right() {
+    let (mut hard, mut wrong) = (0, 0);
+    for (name, style) in ROUNDED {
+        for seed in 0..4 {
+            let made = random_made(&style, seed);
+            let report = verified(&made, &compiled(&made), 6000, seed);
+            println!("{name} {seed}: {:?}", report.total);
+            let cases = truly_wrong(&made, &report);
+            // Walls side by side are off by microns each in its own way: a ray that runs along several of them, aimed from a
+            // corner of one at a corner of another, meets one of them or another by picometres.
+            assert!(cases.iter().all(|case| case.kind == RayKind::Hard), "{name} {seed}: {cases:?}");
+            hard += 300;
+            wrong += cases.len();
+            assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
+            assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }
     }
+    assert!(wrong * 500 <= hard, "{wrong} of {hard} hard rays");
+}
+
+/// Rays of all kinds, and some between corners of cells and along their axes.
+fn rays(made: &Made, count: u64, seed: u64) -> Vec<Ray> {
+    let truth = truth(made);
+    let source = RaySource::new(&truth, seed).with_rooms(&made.model);
+    let kinds = [RayKind::Room, RayKind::Outside, RayKind::Box, RayKind::Hard];
+    let mut rays: Vec<Ray> = (0..count).map(|i| source.ray(kinds[i as usize % 4], i)).collect();
+    let mut random = Random(seed);
+    let partition = &made.partition;
+    let corner = |random: &mut Random| {
+        let cell = &partition.cells[random.below(partition.cells.len())];
+        let at = partition.footprint(cell).nth(random.below(cell.sections.len())).unwrap();
+        let plane = partition.planes[if random.below(2) == 0 { cell.floor } else { cell.ceiling } as usize];
+        let z = plane.height_f64(f64::from(at.x), f64::from(at.y));
+        let local = [f64::from(at.x), f64::from(at.y), z];
+        [0, 1, 2].map(|axis| partition.lattice.metres(axis, local[axis]))
+    };
+    for i in 0..count {
+        let (from, to) = (corner(&mut random), corner(&mut random));
+        let direction = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let direction = if direction == [0.0; 3] || i % 4 == 0 {
+            *[[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]
+                .get(random.below(4))
+                .unwrap()
+        } else {
+            direction
+        };
+        rays.push(Ray::new(from, direction));
+    }
+    rays
+}
+
+#[test]
+fn no_ray_loses_its_way_and_all_kernels_agree() {
+    for (name, style) in EXACT.iter().chain(&ROUNDED) {
+        let made = random_made(style, 11);
+        let scene = compiled(&made);
+        let mut crossed = 0u64;
+        for ray in rays(&made, 1500, 3) {
+            let (hit, cost) = scene.trace_cost_from(Start::Anywhere, &ray, Want::default());
+            assert_eq!(cost.restarts, 0, "{name}: {ray:?}");
+            crossed += u64::from(cost.cells);
+            for kernel in Kernel::available() {
+                let other = scene.trace_with(kernel, Start::Anywhere, &ray, Want::default());
+                assert_eq!(hit.answer(), other.answer(), "{name}: {ray:?}");
+            }
+            assert_eq!(scene.occluded(&ray), hit.answer() != Answer::Escaped, "{name}: {ray:?}");
+            if let Answer::Hit(hit) = hit.answer() {
+                let cell = &scene.cells()[hit.cell as usize];
+                assert!(hit.cell == 0 || cell.kind == 1, "{name}: {ray:?}: {hit:?} in matter");
+                assert!(hit.cell == 0 || hit.room == cell.room);
+                let near = |axis: usize| {
+                    let c = hit.point[axis];
+                    c >= cell.bounds[0][axis] - 2e-3 && c <= cell.bounds[1][axis] + 2e-3
+                };
+                assert!((0..3).all(near), "{name}: {ray:?}: {hit:?} outside {cell:?}");
+            }
+        }
+        assert!(crossed > 1000, "{name}");
+    }
+}
+
+/// The parts of a ray answer as the ray does, and what lies before a hit is free.
+#[test]
+fn segments_end_where_they_end() {
+    for (name, style) in &EXACT {
+        let made = random_made(style, 5);
+        let scene = compiled(&made);
+        for ray in rays(&made, 400, 9) {
+            let Answer::Hit(hit) = scene.trace(&ray) else { continue };
+            if hit.t < 1e-3 {
+                continue;
+            }
+            let until = |t: f64| Ray::segment(ray.origin, ray.direction, 0.0, t);
+            assert_eq!(scene.trace(&until(hit.t + 1e-6)), Answer::Hit(hit), "{name}: {ray:?}");
+            assert!(scene.occluded(&until(hit.t + 1e-6)), "{name}: {ray:?}");
+            assert!(!scene.occluded(&until(hit.t - 1e-4)), "{name}: {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_go_on_from_hits_as_without_cells() {
+    let (mut same, mut all) = (0, 0);
+    for (name, style) in &EXACT[..5] {
+        let made = random_made(style, 2);
+        let (scene, whole) = (compiled(&made), whole(&made));
+        let mut random = Random(8);
+        for ray in rays(&made, 600, 4) {
+            let first = whole.trace_from(Start::Anywhere, &ray, Want::LEAST);
+            let mine = scene.trace_from(Start::Anywhere, &ray, Want::LEAST);
+            if first.element != mine.element || (first.t - mine.t).abs() > 1e-9 || !mine.t.is_finite() {
+                continue;
+            }
+            let along: f64 = (0..3).map(|i| ray.direction[i] * mine.normal[i]).sum();
+            let mirrored = [0, 1, 2].map(|i| ray.direction[i] - 2.0 * along * mine.normal[i]);
+            let mut diffuse = random.direction();
+            if (0..3).map(|i| diffuse[i] * mine.normal[i]).sum::<f64>() < 0.0 {
+                diffuse = diffuse.map(|c| -c);
+            }
+            for direction in [mirrored, diffuse, ray.direction] {
+                let next = Ray::new(mine.point, direction);
+                let (a, b) = (
+                    scene.trace_from(Start::Hit(&mine), &next, Want::LEAST),
+                    whole.trace_from(Start::Hit(&first), &next, Want::LEAST),
+                );
+                all += 1;
+                same += u64::from(a.t == b.t || (a.t - b.t).abs() <= 1e-7);
+            }
+        }
+        println!("{name}: {same} of {all}");
+    }
+    // Those that begin or end in an edge may differ.
+    assert!(all > 2000 && same * 100 >= all * 97, "{same} of {all}");
+}
+
+#[test]
+fn points_are_in_the_cells_that_hold_them() {
+    for (name, style) in EXACT.iter().chain(&ROUNDED) {
+        let made = random_made(style, 7);
+        let (scene, partition) = (compiled(&made), &made.partition);
+        let mut random = Random(6);
+        for _ in 0..3000 {
+            let corner = |i: usize| {
+                [0, 1, 2].map(|axis| partition.lattice.metres(axis, f64::from(partition.hull[i][axis])))
+            };
+            let point = random.point(corner(0), corner(1));
+            let holders: Vec<u32> =
+                (0..partition.cells.len() as u32).filter(|&i| holds(partition, i as usize, point)).collect();
+            let [holder] = holders[..] else { panic!("{name}: {point:?} is in {holders:?}") };
+            match scene.locate(point) {
+                Place::Air { cell, .. } => assert_eq!(cell, holder + 1, "{name}: {point:?}"),
+                Place::InSolid(element) => {
+                    assert_eq!(scene.cells()[holder as usize + 1].element, element, "{name}: {point:?}");
+                }
+                Place::Outside => panic!("{name}: {point:?}"),
+            }
+        }
+    }
+}
+
+/// Whether a cell holds a point, by the sides of its edges and the heights of its planes.
+fn holds(partition: &Partition, cell: usize, point: [f64; 3]) -> bool {
+    let cell = &partition.cells[cell];
+    let [x, y, z] = [0, 1, 2].map(|axis| partition.lattice.local(axis, point[axis]));
+    let over = |plane: u32| z - partition.planes[plane as usize].height_f64(x, y);
+    let corners: Vec<Point> = partition.footprint(cell).collect();
+    over(cell.floor) >= 0.0
+        && over(cell.ceiling) < 0.0
+        && (0..corners.len()).all(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+            let (ex, ey) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
+            ex * (y - f64::from(a.y)) - ey * (x - f64::from(a.x)) >= 0.0
+        })
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn the_same_bytes_at_any_number_of_threads() {
+    let made = random_made(&EXACT[4].1, 1);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap())
+    };
+    let (one, two) = (on(1), on(2));
+    assert!(one.bytes == two.bytes);
+    let out: u64 = one.report.triangles_out.iter().map(|row| row.count).sum();
+    assert_eq!(one.report.triangles_in, out);
+}
+
+#[test]
+fn partitions_that_contradict_themselves_are_refused() {
+    let made = random_made(&EXACT[3].1, 1);
+    let refused = |change: &dyn Fn(&mut Partition)| {
+        let mut partition = made.partition.clone();
+        change(&mut partition);
+        match compile_partition(&made.model, &partition, &CompileOptions::default()) {
+            Err(CompileError::Partition(what)) => what,
+            other => panic!("{:?}", other.map(|_| ())),
+        }
+    };
+    assert!(refused(&|p| p.cells[3].floor = 1 << 20).contains("cell 3"));
+    assert!(refused(&|p| p.cells[3].sections.end = 1 << 20).contains("sections"));
+    assert!(refused(&|p| p.cells[3].sections.end = p.cells[3].sections.start + 2).contains("footprint"));
+    assert!(refused(&|p| p.sections.swap(0, 1)).contains("footprint"));
+    assert!(refused(&|p| p.sections[0].start.x = i32::MIN).contains("beyond the lattice"));
+    assert!(refused(&|p| p.sections[0].faces.end = p.sections[0].faces.start).contains("face"));
+    assert!(refused(&|p| p.faces[0].top = 1 << 20).contains("plane"));
+    assert!(refused(&|p| p.faces[0].cover.cell = 1 << 20).contains("is not there"));
+    assert!(refused(&|p| p.sources[0].triangles.clear()).contains("source 0"));
+    assert!(refused(&|p| p.sources[0].triangles[0].1 = 1 << 20).contains("source 0"));
+    assert!(refused(&|p| p.lattice.bits = 40).contains("lattice"));
+    assert!(refused(&|p| p.planes[0] = Plane { p: 1 << 60, q: 0, r: 0 }).contains("steep"));
+    assert!(refused(&|p| p.hull[1][0] = i32::MIN).contains("hull"));
+    assert!(refused(&|p| p.detail.push((enfilade::importers::ElementId(NONE), 0))).contains("triangle"));
+}
+
+/// Any bytes: opening fails, or tracing ends.
+#[test]
+fn damaged_cells_are_refused_or_harmless() {
+    let made = random_made(&Style { cuts: [2, 2, 2], furniture: 20, ..EXACT[5].1 }, 3);
+    let file = compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap().bytes;
+    let names = [
+        "scene",
+        "cells",
+        "sides",
+        "faces",
+        "covers",
+        "planes",
+        "sources",
+        "surfaces",
+        "cellgrid",
+        "gridcells",
+        "nodes",
+    ];
+    let sections: Vec<enf::Section> = names.iter().map(|name| enf::section(&file, name)).collect();
+    let rays: Vec<Ray> = rays(&made, 40, 5);
+    let mut random = Random(12);
+    let (mut refused, mut opened) = (0, 0);
+    for round in 0..1500 {
+        let mut damaged = file.clone();
+        for _ in 0..1 + random.below(3) {
+            let section = &sections[random.below(sections.len())];
+            let at = section.start + random.below(section.length / 4) * 4;
+            let old = enf::u32_at(&damaged, at);
+            let new = match random.below(6) {
+                0 => random.bits() as u32,
+                1 => NONE,
+                2 => old.wrapping_add(1),
+                3 => old.wrapping_sub(1),
+                4 => old ^ 1 << random.below(32),
+                // Another number of the same section.
+                _ => enf::u32_at(&file, section.start + random.below(section.length / 4) * 4),
+            };
+            enf::put(&mut damaged, at, &new.to_le_bytes());
+        }
+        enf::seal(&mut damaged);
+        let Ok(scene) = Scene::from_bytes(&damaged) else {
+            refused += 1;
+            continue;
+        };
+        opened += 1;
+        let start = std::time::Instant::now();
+        for ray in &rays {
+            scene.locate(ray.origin);
+            scene.occluded(ray);
+            let hit = scene.trace_from(Start::Cell(random.below(40) as u32), ray, Want::default());
+            if let Answer::Hit(hit) = hit.answer() {
+                scene.trace_from(Start::Hit(&hit), &Ray::new(hit.point, hit.normal), Want::default());
+            }
+            scene.trace(ray);
+        }
+        assert!(start.elapsed() < std::time::Duration::from_secs(10), "round {round}");
+    }
+    println!("{refused} refused, {opened} opened");
+    assert!(refused > 200 && opened > 200, "{refused} refused, {opened} opened");
 }

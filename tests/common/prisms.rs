@@ -32,6 +32,8 @@ pub struct Style {
     pub around: usize,
     /// Rounds the corners to multiples of so many steps: few numbers, many ties.
     pub grain: i32,
+    /// Upright strips that a side of a solid is made of.
+    pub strips: usize,
 }
 
 /// A prism of the partition that is being made.
@@ -55,6 +57,7 @@ enum Kind {
 const HALF: [i32; 3] = [12 << 16, 10 << 16, 6 << 16];
 
 /// A partition and a model that it stands for.
+#[derive(Clone)]
 pub struct Made {
     pub model: Model,
     pub partition: Partition,
@@ -350,12 +353,28 @@ impl<'a> Maker<'a> {
         let low: Vec<[f64; 3]> = prism.footprint.iter().map(|&p| self.corner(p, &prism.floor)).collect();
         let high: Vec<[f64; 3]> = prism.footprint.iter().map(|&p| self.corner(p, &prism.ceiling)).collect();
         let n = low.len();
-        let fan = |p: &[[f64; 3]]| (1..n - 1).map(|i| [p[0], p[i], p[i + 1]]).collect::<Vec<_>>();
-        let mut parts: Vec<Vec<[[f64; 3]; 3]>> =
-            vec![fan(&low).into_iter().map(|[a, b, c]| [a, c, b]).collect(), fan(&high)];
+        let strips = self.style.strips;
+        let ring = |p: &[[f64; 3]]| -> Vec<[f64; 3]> {
+            let along = |k: usize| {
+                let (a, b, share) =
+                    (p[k / strips], p[(k / strips + 1) % n], (k % strips) as f64 / strips as f64);
+                [0, 1, 2].map(|axis| a[axis] + (b[axis] - a[axis]) * share)
+            };
+            (0..n * strips).map(along).collect()
+        };
+        let (low, high) = (ring(&low), ring(&high));
+        // Around the middle: strips have corners on the edges of the caps.
+        let fan = |p: &[[f64; 3]]| -> Vec<[[f64; 3]; 3]> {
+            let middle = [0, 1, 2].map(|axis| p.iter().map(|q| q[axis]).sum::<f64>() / p.len() as f64);
+            (0..p.len()).map(|i| [middle, p[i], p[(i + 1) % p.len()]]).collect()
+        };
+        let mut parts = vec![fan(&low).into_iter().map(|[a, b, c]| [a, c, b]).collect(), fan(&high)];
         for i in 0..n {
-            let j = (i + 1) % n;
-            parts.push(vec![[low[i], low[j], high[j]], [low[i], high[j], high[i]]]);
+            let strip = |k: usize| {
+                let j = (k + 1) % low.len();
+                [[low[k], low[j], high[j]], [low[k], high[j], high[k]]]
+            };
+            parts.push((i * strips..(i + 1) * strips).flat_map(strip).collect());
         }
         let mut count = 0;
         for (part, triangles) in parts.into_iter().enumerate() {
