@@ -3,8 +3,8 @@
 
 mod common;
 
+use common::enf;
 use common::prisms::{Made, Style, make};
-use common::{Random, enf};
 use enfilade::importers::Untagged;
 use enfilade::lattice::{Plane, Point};
 use enfilade::oracle::{RayKind, RaySource, TrueAnswer, Truth, TruthOptions};
@@ -15,6 +15,7 @@ use enfilade::{
     Answer, CompileError, CompileOptions, Hit, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want,
     compile, compile_partition, verify,
 };
+use enfilade_testing::Random;
 
 const BOXES: Style = Style {
     cuts: [4, 4, 3],
@@ -50,7 +51,7 @@ const ROUNDED: [(&str, Style); 3] = [
 ];
 
 fn random_made(style: &Style, seed: u64) -> Made {
-    make(&mut Random(seed * 77 + 1), style)
+    make(&mut Random::new(seed * 77 + 1), style)
 }
 
 fn compiled(made: &Made) -> Scene {
@@ -142,7 +143,7 @@ fn rays(made: &Made, count: u64, seed: u64) -> Vec<Ray> {
     let source = RaySource::new(&truth, seed).with_rooms(&made.model);
     let kinds = [RayKind::Room, RayKind::Outside, RayKind::Box, RayKind::Hard];
     let mut rays: Vec<Ray> = (0..count).map(|i| source.ray(kinds[i as usize % 4], i)).collect();
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let partition = &made.partition;
     let corner = |random: &mut Random| {
         let cell = &partition.cells[random.below(partition.cells.len())];
@@ -150,7 +151,7 @@ fn rays(made: &Made, count: u64, seed: u64) -> Vec<Ray> {
         let plane = partition.planes[if random.below(2) == 0 { cell.floor } else { cell.ceiling } as usize];
         let z = plane.height_f64(f64::from(at.x), f64::from(at.y));
         let local = [f64::from(at.x), f64::from(at.y), z];
-        [0, 1, 2].map(|axis| partition.lattice.metres(axis, local[axis]))
+        partition.lattice.metres(local)
     };
     for i in 0..count {
         let (from, to) = (corner(&mut random), corner(&mut random));
@@ -222,7 +223,7 @@ fn rays_go_on_from_hits_as_without_cells() {
     for (name, style) in &EXACT[..5] {
         let made = random_made(style, 2);
         let (scene, whole) = (compiled(&made), whole(&made));
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         for ray in rays(&made, 600, 4) {
             let first = whole.trace_from(Start::Anywhere, &ray, Want::LEAST);
             let mine = scene.trace_from(Start::Anywhere, &ray, Want::LEAST);
@@ -256,11 +257,9 @@ fn points_are_in_the_cells_that_hold_them() {
     for (name, style) in EXACT.iter().chain(&ROUNDED) {
         let made = random_made(style, 7);
         let (scene, partition) = (compiled(&made), &made.partition);
-        let mut random = Random(6);
+        let mut random = Random::new(6);
         for _ in 0..3000 {
-            let corner = |i: usize| {
-                [0, 1, 2].map(|axis| partition.lattice.metres(axis, f64::from(partition.hull[i][axis])))
-            };
+            let corner = |i: usize| partition.lattice.metres(partition.hull[i].map(f64::from));
             let point = random.point(corner(0), corner(1));
             let holders: Vec<u32> =
                 (0..partition.cells.len() as u32).filter(|&i| holds(partition, i as usize, point)).collect();
@@ -279,7 +278,7 @@ fn points_are_in_the_cells_that_hold_them() {
 /// Whether a cell holds a point, by the sides of its edges and the heights of its planes.
 fn holds(partition: &Partition, cell: usize, point: [f64; 3]) -> bool {
     let cell = &partition.cells[cell];
-    let [x, y, z] = [0, 1, 2].map(|axis| partition.lattice.local(axis, point[axis]));
+    let [x, y, z] = partition.lattice.local(point);
     let over = |plane: u32| z - partition.planes[plane as usize].height_f64(x, y);
     let corners: Vec<Point> = partition.footprint(cell).collect();
     over(cell.floor) >= 0.0
@@ -352,7 +351,7 @@ fn damaged_cells_are_refused_or_harmless() {
     ];
     let sections: Vec<enf::Section> = names.iter().map(|name| enf::section(&file, name)).collect();
     let rays: Vec<Ray> = rays(&made, 40, 5);
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let (mut refused, mut opened) = (0, 0);
     for round in 0..1500 {
         let mut damaged = file.clone();

@@ -9,7 +9,7 @@ use enfilade::importers::{
 use enfilade::lattice::{FINE, Lattice, Plane, Point, orient};
 use enfilade::partition::cells::{Cell, Cover, Face, Label, NONE, Partition, Section, Source};
 
-use super::Random;
+use enfilade_testing::Random;
 
 /// What a random partition is like.
 #[derive(Clone, Copy, Debug)]
@@ -271,7 +271,7 @@ struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     fn new(random: &'a mut Random, style: &Style, prisms: Vec<Prism>) -> Maker<'a> {
-        let lattice = Lattice { origin: [3.0, -2.0, 5.0], bits: 16 };
+        let lattice = Lattice { origin: [3.0, -2.0, 5.0], turn: [1.0, 0.0], bits: 16 };
         let seed = random.bits();
         Maker {
             random,
@@ -288,7 +288,8 @@ impl<'a> Maker<'a> {
 
     /// How far a number is moved in the model: always the same for the same number.
     fn moved(&self, axis: u64, of: i64) -> f64 {
-        let hash = Random(self.seed ^ (of as u64).wrapping_mul(0xD129_42A5_57DF_2B4D) ^ axis << 60).unit();
+        let hash =
+            Random::new(self.seed ^ (of as u64).wrapping_mul(0xD129_42A5_57DF_2B4D) ^ axis << 60).unit();
         (hash - 0.5) * 2.0 * self.style.moved
     }
 
@@ -296,11 +297,7 @@ impl<'a> Maker<'a> {
     fn corner(&self, p: Point, plane: &Plane) -> [f64; 3] {
         let key = i64::from(p.x) << 30 ^ i64::from(p.y);
         let z = plane.height(p) as f64 / FINE as f64 + self.moved(2, plane.r ^ plane.p << 7 ^ plane.q << 21);
-        [
-            self.lattice.metres(0, f64::from(p.x) + self.moved(0, key)),
-            self.lattice.metres(1, f64::from(p.y) + self.moved(1, key)),
-            self.lattice.metres(2, z),
-        ]
+        self.lattice.metres([f64::from(p.x) + self.moved(0, key), f64::from(p.y) + self.moved(1, key), z])
     }
 
     fn finish(mut self) -> Made {
@@ -386,7 +383,7 @@ impl<'a> Maker<'a> {
             }
             if prism.kind == Kind::Solid {
                 self.source_of.insert((index, part), self.sources.len() as u32);
-                self.sources.push(Source { triangles: ids });
+                self.sources.push(Source { triangles: ids, plane: None });
             }
         }
     }

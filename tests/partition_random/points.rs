@@ -58,7 +58,7 @@ pub fn at(
     }
     let [cell] = inside[..] else { return };
     let lattice = &space.partition.lattice;
-    let p = [0, 1, 2].map(|i| lattice.metres(i, local[i]));
+    let p = lattice.metres(local);
     let distance = meshes.distance(p);
     if distance <= meshes.margin {
         return;

@@ -96,7 +96,7 @@ impl<'a> Space<'a> {
 
     /// A point of the model in lattice units.
     pub fn local(&self, p: [f64; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.partition.lattice.local(axis, p[axis]))
+        self.partition.lattice.local(p)
     }
 }
 

@@ -6,7 +6,7 @@ use enfilade::components::{Orientation, components};
 use enfilade::importers::{ElementId, Model, Role, Semantic, Untagged};
 use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::partition::cells::Label;
-use enfilade::partition::{Report, cells::Partition};
+use enfilade::partition::{PartitionReport, cells::Partition};
 use enfilade::roles::roles;
 
 /// The meshes, ready to be asked.
@@ -31,7 +31,12 @@ const MARGIN: f64 = 2.5e-3;
 const SAMPLES: u32 = 400;
 
 impl<'a> Meshes<'a> {
-    pub fn new(model: &'a Model, partition: &Partition, report: &Report, random: &mut Random) -> Meshes<'a> {
+    pub fn new(
+        model: &'a Model,
+        partition: &Partition,
+        report: &PartitionReport,
+        random: &mut Random,
+    ) -> Meshes<'a> {
         let roles = roles(model, Untagged::default());
         let of = |role: Role| {
             let roles = roles.clone();
@@ -49,7 +54,12 @@ impl<'a> Meshes<'a> {
             solids: of(Role::Solid),
             airs: of(Role::Air),
             volumes: model.elements.iter().map(volume).collect(),
-            demoted: report.not_carved.iter().map(|entry| entry.0).collect(),
+            demoted: report
+                .not_carved_elements
+                .iter()
+                .filter_map(|(path, _)| model.elements.iter().position(|e| e.path == *path))
+                .map(|index| ElementId(index as u32))
+                .collect(),
             wins: Vec::new(),
             margin: MARGIN + 4.0 * partition.lattice.step() + report.largest_displacement,
             roles,

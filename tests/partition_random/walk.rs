@@ -26,7 +26,7 @@ pub fn check(space: &Space<'_>, meshes: &Meshes<'_>, random: &mut Random) -> Vec
             Walk::Hit(t) => {
                 along(space, meshes, from, direction, t, random, &mut find);
                 let at = [0, 1, 2].map(|i| from[i] + t * direction[i]);
-                let p = [0, 1, 2].map(|i| space.partition.lattice.metres(i, at[i]));
+                let p = space.partition.lattice.metres(at);
                 let far = meshes.distance_to_solids(p);
                 if far > meshes.margin {
                     find("hit off", format!("{from:?} {direction:?}: hit {far} m from any solid's surface"));
@@ -50,7 +50,7 @@ fn along(
     for _ in 0..3 {
         let s = random.between(0.0, t);
         let local = [0, 1, 2].map(|i| from[i] + s * direction[i]);
-        let p = [0, 1, 2].map(|i| space.partition.lattice.metres(i, local[i]));
+        let p = space.partition.lattice.metres(local);
         if meshes.distance_to_solids(p) > meshes.margin && !meshes.labels_at(p).iter().all(|l| l.is_air()) {
             find("ray through matter", format!("{from:?} {direction:?} at {s} of {t}"));
         }
