@@ -55,7 +55,7 @@ proptest! {
     #[test]
     fn cells_are_right(building in buildings(), seed in any::<u64>()) {
         let findings = findings(&building, seed);
-        prop_assert!(findings.is_empty(), "{findings:#?}");
+        prop_assert!(findings.is_empty(), "{}", findings.iter().map(Finding::to_string).collect::<String>());
     }
 }
 

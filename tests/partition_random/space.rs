@@ -10,6 +10,12 @@ pub struct Finding {
     pub text: String,
 }
 
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{}: {}", self.kind, self.text)
+    }
+}
+
 /// A partition with its footprints at hand.
 pub struct Space<'a> {
     pub partition: &'a Partition,
