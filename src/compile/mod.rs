@@ -184,6 +184,11 @@ pub fn compile_partition(
     let mut report = report::make(model, options, &gathered, &tables, &counted);
     tables.provenance = report.provenance().into_bytes();
     let bytes = run.stage("write", || tables.to_bytes())?;
+    if zone.is_some() {
+        // The partition is the caller's: whether its cells are prisms is what opening checks.
+        run.stage("check", || Scene::from_bytes(&bytes).map(|_| ()))?
+            .map_err(|error| CompileError::Partition(error.to_string()))?;
+    }
     report.bytes = bytes.len() as u64;
     report.stages = run.stages;
     report.peak_budget_bytes = run.budget.peak();
