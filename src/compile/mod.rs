@@ -141,6 +141,8 @@ pub fn compile_partition(
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
         return Err(CompileError::Tolerance(options.tolerance));
     }
+    prisms::check_frame(partition).map_err(CompileError::Partition)?;
+    let zone = prisms::zone(partition);
     let mut run = Run { options, budget: Budget::new(&options.limits), stages: Vec::new() };
     let count = model.triangle_count();
     if count > u64::from(u32::MAX >> 1) {
@@ -158,10 +160,6 @@ pub fn compile_partition(
     let mut gathered = run.stage("geometry", || geometry::gather(model, &parts, &mut tables))?;
     run.stage("building", || building::add(model, &parts, &mut tables))?;
 
-    let zone = prisms::zone(partition);
-    if !prisms::is_lattice(&partition.lattice) {
-        return Err(CompileError::Partition("its lattice is none".to_owned()));
-    }
     let hull = hull(&tables, partition, zone);
     let (center, diameter) = middle(hull);
     let slack = bvh::slack(diameter / 2.0 + MARGIN, diameter + 2.0 * MARGIN);
@@ -203,6 +201,11 @@ pub fn compile_partition(
     let mut report = report::make(model, options, &gathered, &tables, &counted);
     tables.provenance = report.provenance().into_bytes();
     let bytes = run.stage("write", || tables.to_bytes())?;
+    if zone.is_some() {
+        // The partition is the caller's: whether its cells are prisms is what opening checks.
+        run.stage("check", || Scene::from_bytes(&bytes).map(|_| ()))?
+            .map_err(|error| CompileError::Partition(error.to_string()))?;
+    }
     report.bytes = bytes.len() as u64;
     report.stages = run.stages;
     report.peak_budget_bytes = run.budget.peak();

@@ -126,7 +126,7 @@ impl Run<'_> {
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for section in sections {
             let p = section.start;
-            if p.x.abs() > LARGEST || p.y.abs() > LARGEST {
+            if [p.x, p.y].iter().any(|c| c.unsigned_abs() > LARGEST as u32) {
                 return Err("a corner is beyond the lattice".to_owned());
             }
             let faces = partition.faces.get(slice(&section.faces)).ok_or("faces are not there")?;
@@ -197,9 +197,20 @@ impl Run<'_> {
     }
 }
 
-/// Whether the partition's lattice is one.
-pub(super) fn is_lattice(lattice: &Lattice) -> bool {
-    (Lattice::COARSEST..=Lattice::FINEST).contains(&lattice.bits)
+/// Checks what all coordinates hang on.
+///
+/// # Errors
+/// If the partition's lattice is none, or its hull no box on it.
+pub(super) fn check_frame(partition: &Partition) -> Result<(), String> {
+    let lattice = &partition.lattice;
+    let is_lattice = (Lattice::COARSEST..=Lattice::FINEST).contains(&lattice.bits)
         && (lattice.turn[0].hypot(lattice.turn[1]) - 1.0).abs() <= 1e-12
-        && lattice.origin.iter().all(|c| c.is_finite() && c.fract() == 0.0)
+        && lattice.origin.iter().all(|c| c.is_finite() && c.fract() == 0.0);
+    if !is_lattice {
+        return Err("its lattice is none".to_owned());
+    }
+    let [lo, hi] = partition.hull;
+    let on_lattice = |c: &i32| c.unsigned_abs() <= LARGEST as u32;
+    let is_box = lo.iter().chain(&hi).all(on_lattice) && (0..3).all(|axis| lo[axis] < hi[axis]);
+    if is_box || partition.cells.is_empty() { Ok(()) } else { Err("its hull is no box".to_owned()) }
 }

@@ -192,12 +192,14 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
                         self.in_matter(record, exit.t)
                     };
                     if let Some(found) = self.with_detail(record, &exit, best) {
+                        let found = if found.t <= self.limit { found } else { nothing };
                         return Ok(Ended { found, cell, in_matter });
                     }
                     exit
                 }
             };
-            if exit.t > self.limit {
+            // Where cells say that the ray is too far, the triangles may say that it is not yet.
+            if exit.t > self.limit + self.surfaces.tolerance {
                 return Ok(Ended { found: nothing, cell, in_matter });
             }
             cell = exit.cell;
@@ -237,7 +239,8 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         if exit.source == NONE || self.path.prisms.cells[exit.cell as usize].kind != CellRecord::SOLID {
             return Ok(None);
         }
-        let mut best = Found { t: self.limit, triangle: NONE };
+        // Not only up to where the segment ends: what it would meet after that is met, and not missed.
+        let mut best = Found { t: f64::INFINITY, triangle: NONE };
         let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
         self.meet_near(exit.source, exit.t, outward, &mut best);
         if best.triangle != NONE { Ok(Some(best)) } else { self.missed(record, exit) }
@@ -257,7 +260,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     /// What the ray meets near a face whose own triangles it misses.
     #[cold]
     fn missed(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Lost> {
-        let mut best = Found { t: self.limit, triangle: NONE };
+        let mut best = Found { t: f64::INFINITY, triangle: NONE };
         for (source, outward) in self.path.prisms.sources_of(record) {
             let outward = self.path.prisms.turned_back(outward);
             self.meet_near(source, exit.t, outward, &mut best);
@@ -268,7 +271,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         let at = (exit.t, self.path.prisms.internal(self.path.at(exit.t)));
         let outward = self.path.outward(record, exit);
         let normal = self.path.prisms.turned_back(outward);
-        match self.surfaces.nearly_met(exit.source, at, normal, self.limit, &self.walk, &self.query) {
+        match self.surfaces.nearly_met(exit.source, at, normal, &self.walk, &self.query) {
             Nearly::Met(found) => Ok(Some(found)),
             Nearly::Grazed(_) if self.may_push => Err(Lost::Along(outward.normalize_or_zero() * -self.clear)),
             Nearly::Grazed(found) => Ok(Some(found)),

@@ -108,14 +108,13 @@ impl<'a> Surfaces<'a> {
     }
 
     /// The triangle of `source` that is nearest to `point`, where the ray passes a face at `t`, if that is within the
-    /// tolerance, and whose plane the ray crosses near there, from the air, but not after `limit`.
+    /// tolerance, and whose plane the ray crosses near there, from the air.
     #[cold]
     pub(super) fn nearly_met(
         &mut self,
         source: u32,
         (t, point): (f64, DVec3),
         outward: DVec3,
-        limit: f64,
         walk: &Walk<'_>,
         query: &Query,
     ) -> Nearly {
@@ -142,7 +141,7 @@ impl<'a> Surfaces<'a> {
                 (crossing - t).abs() <= self.tolerance && walk.enters(triangle, outward, query.direction);
             let found = Found { t: if is_crossed { crossing } else { t }.max(query.tmin), triangle };
             let nearest = if is_crossed { &mut best } else { &mut grazed };
-            if found.t <= limit && nearest.is_none_or(|(_, least)| off < least) {
+            if nearest.is_none_or(|(_, least)| off < least) {
                 *nearest = Some((found, off));
             }
         }

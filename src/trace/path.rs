@@ -228,7 +228,8 @@ impl<'a> Prisms<'a> {
         is_clear
     }
 
-    /// The way from `point` into the prism, and `clear` away from all matter at its surface, as far as it is wide enough.
+    /// The way from `point` into the prism, and `clear` away from all matter at its surface, as far as it is wide enough;
+    /// a little within all other planes.
     fn way_into(&self, cell: &CellRecord, point: DVec3, clear: f64) -> DVec3 {
         /// Planes at a corner push the point across each other: this brings it there but for some 2^-ROUNDS of the way.
         const ROUNDS: usize = 8;
@@ -239,7 +240,7 @@ impl<'a> Prisms<'a> {
             self.planes_of(cell, to, |normal, over, matter| {
                 let done = normal.dot(moved - to);
                 let wanted = if matter { clear } else { clear / 16.0 };
-                if over + done > -wanted && (matter || over > 0.0) {
+                if over + done > -wanted {
                     moved -= normal * (over + done + wanted);
                 }
             });
