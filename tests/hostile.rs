@@ -604,9 +604,9 @@ fn scenes_that_refer_to_nothing_are_refused() {
         ("elements", 56, far, "host"),
         ("elements", 60, far, "filling"),
         ("elements", 64, far, "opening"),
-        ("cells", 48, 9, "semantic"),
-        ("cells", 52, far, "room"),
-        ("cells", 56, far, "root node"),
+        ("cells", 48, 9, "kind"),
+        ("cells", 60, far, "room"),
+        ("cells", 64, far, "root node"),
         ("materials", 0, far, "name"),
         ("cameras", 80, far, "name"),
         ("triangles", 0, far, "vertex"),
@@ -641,6 +641,10 @@ fn scenes_that_refer_to_nothing_are_refused() {
     let floats = floats.map(|(name, at, n, what): (_, _, f64, _)| (name, at, n.to_le_bytes().to_vec(), what));
     for (name, at, bytes, what) in integers.into_iter().chain(floats) {
         let section = enf::section(&whole, name);
+        if name == "nodes" && section.length == 0 {
+            // A scene of so few triangles has but one block.
+            continue;
+        }
         assert!(at + bytes.len() <= section.item && section.length > 0, "{name}: {what}");
         let mut file = whole.clone();
         enf::put(&mut file, section.start + at, &bytes);

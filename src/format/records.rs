@@ -403,7 +403,7 @@ mod tests {
 
     #[test]
     fn sizes_are_those_of_the_format() {
-        assert_eq!(size_of::<SceneRecord>(), 176 + 24 + 48 + 24 + 12 + 4);
+        assert_eq!(size_of::<SceneRecord>(), 176 + 24 + 16 + 48 + 24 + 12 + 4);
         assert_eq!(size_of::<ElementRecord>(), 72);
         assert_eq!(size_of::<RoomRecord>(), 72);
         assert_eq!(size_of::<CellRecord>(), 96);
