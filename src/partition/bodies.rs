@@ -111,7 +111,9 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     let bounds = near.iter().fold(first, |[lo, hi], s| {
         [[0, 1, 2].map(|i| lo[i].min(s.bounds[0][i])), [0, 1, 2].map(|i| hi[i].max(s.bounds[1][i]))]
     });
-    let lattice = Lattice::about(bounds);
+    // The hull is larger than the bodies, and on the lattice too.
+    let lattice =
+        Lattice::about([bounds[0].map(|c| c - super::MARGIN), bounds[1].map(|c| c + super::MARGIN)]);
     let bodies: Vec<Body> = near.iter().map(|shells| body(shells, &lattice)).collect();
     let bounds = [0, 1].map(|end| [0, 1, 2].map(|axis| lattice.round(axis, bounds[end][axis])));
     detail.sort_unstable();
