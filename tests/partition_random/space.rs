@@ -10,6 +10,9 @@ pub struct Finding {
     pub text: String,
 }
 
+/// Takes note of a kind of finding, and of what and where it is.
+pub type Find<'a> = &'a mut dyn FnMut(&'static str, String);
+
 /// A partition with its footprints at hand.
 pub struct Space<'a> {
     pub partition: &'a Partition,
