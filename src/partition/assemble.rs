@@ -141,10 +141,8 @@ impl<'a> Sides<'a> {
         let corners = simple.plan.triangles[side.triangle as usize];
         let ends =
             [corners[side.edge as usize], corners[(side.edge as usize + 1) % 3]].map(|v| self.point(v));
-        let height = |plane: u32| -> i128 {
-            ends.iter().map(|&e| i128::from(self.slab.planes[plane as usize].height(e))).sum()
-        };
-        let (floor, ceiling) = (height(item.floor), height(item.ceiling));
+        let heights = |plane: u32| heights(&self.slab.planes[plane as usize], ends);
+        let (floor, ceiling) = (heights(item.floor), heights(item.ceiling));
         let back = simple.plan.across[other as usize].iter().position(|&t| t == side.triangle).unwrap_or(0);
         let beyond = Side { triangle: other, edge: back as u32 };
         let stack = &simple.kinds[simple.kind[other as usize] as usize];
@@ -153,20 +151,21 @@ impl<'a> Sides<'a> {
             let prism = self.at_side.get(&(region, beyond)).copied();
             prism.or_else(|| self.prism_about(region, ends)).map_or(NONE, |p| self.first + p)
         };
-        // Upwards. Where roundings have a ceiling over this edge below its floor, the item has no face.
+        // Upwards, all that has some of the side. Planes may cross over the edge.
         let mut faces: Vec<Face> = Vec::new();
         let mut low = floor;
         for (k, there) in stack.iter().enumerate() {
-            let high = height(there.ceiling);
-            let is_last = k + 1 == stack.len() || high >= ceiling;
-            if high > low || (is_last && faces.is_empty()) {
-                let top = if high < ceiling { planes[there.ceiling as usize] } else { NONE };
+            let high = heights(there.ceiling);
+            let is_last = k + 1 == stack.len() || (0..2).all(|end| high[end] >= ceiling[end]);
+            if reaches([low, low], [high, ceiling]) || (is_last && faces.is_empty()) {
+                let top = if is_last { NONE } else { planes[there.ceiling as usize] };
                 faces.push(Face { top, cover: Cover { cell: cell(k), source: NONE } });
-                low = high;
             }
             if is_last {
                 break;
             }
+            // Where roundings have a ceiling below its floor, the item takes nothing from the next.
+            low = [0, 1].map(|end| low[end].max(high[end]));
         }
         if let Some(last) = faces.last_mut() {
             last.top = NONE;
@@ -193,6 +192,30 @@ impl<'a> Sides<'a> {
         let own = prisms[start..].iter().take_while(|prism| prism.region == region);
         own.enumerate().find(|(_, prism)| is_about(&prism.footprint)).map(|(i, _)| (start + i) as u32)
     }
+}
+
+/// Heights over the ends of an edge.
+type Heights = [i128; 2];
+
+fn heights(plane: &Plane, ends: [Point; 2]) -> Heights {
+    ends.map(|end| i128::from(plane.height(end)))
+}
+
+/// Whether somewhere over an edge both of `low` lie below both of `high`, all of them linear along it.
+fn reaches(low: [Heights; 2], high: [Heights; 2]) -> bool {
+    let rises = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(l, h)| [0, 1].map(|end| high[h][end] - low[l][end]));
+    // Each is positive on a part of the edge that holds one end; parts that have something in common two by two have
+    // something in common all together.
+    rises.iter().all(|u| {
+        rises.iter().all(|v| {
+            let both = |end: usize| u[end] > 0 && v[end] > 0;
+            let between = |from: usize, to: usize| {
+                // u is positive from one end, v from the other: up to and from where they are 0.
+                u[from] > 0 && v[to] > 0 && u[from] as f64 * v[to] as f64 > v[from] as f64 * u[to] as f64
+            };
+            both(0) || both(1) || between(0, 1) || between(1, 0)
+        })
+    })
 }
 
 /// Adds a section with its faces.
@@ -288,15 +311,19 @@ fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
         let sections = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
         for (i, section) in sections.iter().enumerate() {
             let ends = [section.start, sections[(i + 1) % sections.len()].start];
-            let mut low = cell.floor;
+            let [floor, ceiling] =
+                [cell.floor, cell.ceiling].map(|plane| heights(&partition.planes[plane as usize], ends));
+            let mut low = floor;
             for face in &partition.faces[section.faces.start as usize..section.faces.end as usize] {
-                let high = if face.top == NONE { cell.ceiling } else { face.top };
-                let [floor, ceiling] = [low, high].map(|plane| partition.planes[plane as usize]);
+                let high = match face.top {
+                    NONE => ceiling,
+                    top => heights(&partition.planes[top as usize], ends),
+                };
                 // Not where they touch by an edge alone.
-                if ends.iter().any(|&end| ceiling.height(end) > floor.height(end)) {
+                if reaches([low, low], [high, ceiling]) {
                     all.push(face.cover.cell);
                 }
-                low = high;
+                low = [0, 1].map(|end| low[end].max(high[end]));
             }
         }
         all

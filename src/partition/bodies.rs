@@ -136,7 +136,10 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     let reach = near.iter().flat_map(|s| s.bounds).flatten().fold(0.0f64, |reach, c| reach.max(c.abs()));
     let carving = near.iter().filter(|s| s.is_solid).map(|s| s.id.0);
     let turn = direction(model, carving, reach, 1.0 / f64::from(1u32 << Lattice::FINEST));
-    let points = near.iter().flat_map(|s| s.element.mesh.positions.iter().copied());
+    // The hull is larger than the bodies, and on the lattice too, however that is turned.
+    let margin = 2.0 * super::MARGIN;
+    let points = near.iter().flat_map(|s| &s.element.mesh.positions);
+    let points = points.flat_map(|p| [p.map(|c| c - margin), p.map(|c| c + margin)]);
     let lattice = Lattice::about(points, turn);
     let bodies: Vec<Body> = near.iter().flat_map(|shells| bodies_of(shells, &lattice)).collect();
     let mut bounds = [[i32::MAX; 3], [i32::MIN; 3]];

@@ -56,7 +56,9 @@ pub struct Section {
     pub faces: Range<u32>,
 }
 
-/// A part of a section, between two planes.
+/// A part of a section: what lies above the faces before it, between the cell's floor and ceiling, and below its upper
+/// edge. Planes may cross over a section, so that a face has only some of its length; at any point of the section, the
+/// first face whose upper edge lies above the point is the one that it lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// Index of the plane at its upper edge; [`NONE`] for the last face, which reaches up to the ceiling.

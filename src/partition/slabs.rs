@@ -218,11 +218,11 @@ fn chord(polygon: &[Vertex], run: f64, is_low: bool) -> Option<Plane> {
         }
     }
     let length = f64::hypot(long[0], long[1]);
-    // Corners that lie above each other but for the run and for roundings.
-    let together = 2.0 * (run + 1.0);
-    if length <= 2.0 * together {
+    if length <= 4.0 * (run + 1.0) {
         return None;
     }
+    // Corners that stand above each other, but for roundings and because the longest way may lead across the run.
+    let together = 2.0 + 2.0 * run * run / length;
     let along = long.map(|c| c / length);
     let place = |v: &Vertex| {
         let way = from(&polygon[0], v);

@@ -5,6 +5,7 @@
 mod building;
 mod found;
 mod points;
+mod sides;
 mod solids;
 mod space;
 mod structure;

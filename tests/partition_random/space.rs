@@ -16,6 +16,9 @@ impl std::fmt::Display for Finding {
     }
 }
 
+/// Takes note of a kind of finding, and of what and where it is.
+pub type Find<'a> = &'a mut dyn FnMut(&'static str, String);
+
 /// A partition with its footprints at hand.
 pub struct Space<'a> {
     pub partition: &'a Partition,

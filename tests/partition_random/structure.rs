@@ -1,11 +1,12 @@
 //! What must hold whatever the model is: exactly, in integers.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use enfilade::lattice::{FINE, Point, double_area, orient};
 use enfilade::partition::cells::{Label, NONE};
 
-use crate::space::{Finding, Space, cosine};
+use crate::sides;
+use crate::space::{Find, Finding, Space, cosine};
 
 /// All of it.
 pub fn check(space: &Space<'_>) -> Vec<Finding> {
@@ -14,13 +15,11 @@ pub fn check(space: &Space<'_>) -> Vec<Finding> {
     volume(space, &mut find);
     footprints(space, &mut find);
     heights(space, &mut find);
-    sides(space, &mut find);
+    sides::check(space, &mut find);
     floors(space, &mut find);
     exterior(space, &mut find);
     findings
 }
-
-type Find<'a> = &'a mut dyn FnMut(&'static str, String);
 
 /// The cells' volumes sum to the hull's.
 fn volume(space: &Space<'_>, find: Find<'_>) {
@@ -60,12 +59,12 @@ fn heights(space: &Space<'_>, find: Find<'_>) {
 /// Units, across the steeper of both planes, by which a ceiling may lie below the floor. Points of the plan are rounded, so
 /// that two planes that meet over an edge meet up to a unit beside it; and what rises by up to a millimetre is level, at
 /// the middle of its height.
-fn most_inverted(space: &Space<'_>) -> f64 {
+pub fn most_inverted(space: &Space<'_>) -> f64 {
     2.0 + space.partition.lattice.steps(0.5e-3)
 }
 
 /// Units: what is narrower than this is rounding. Twice what rounding the plan moves on both sides.
-const NARROW: f64 = 4.0;
+pub const NARROW: f64 = 4.0;
 
 /// How a cell's ceiling lies too far below its floor: over a part of the footprint that is wider than roundings are.
 fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
@@ -98,7 +97,7 @@ fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
 }
 
 /// Twice the area by the longest side or diagonal: between the least width of a convex polygon and twice it.
-fn width(polygon: &[[f64; 2]]) -> f64 {
+pub fn width(polygon: &[[f64; 2]]) -> f64 {
     let n = polygon.len();
     let cross = |p: [f64; 2], q: [f64; 2]| {
         let o = polygon[0];
@@ -110,86 +109,6 @@ fn width(polygon: &[[f64; 2]]) -> f64 {
         .flat_map(|p| polygon.iter().map(move |q| (p[0] - q[0]).hypot(p[1] - q[1])))
         .fold(0.0, f64::max);
     if longest > 0.0 { area / longest } else { 0.0 }
-}
-
-/// Whether a cell is so thin that roundings are as large as it.
-fn is_splinter(space: &Space<'_>, c: usize) -> bool {
-    let footprint: Vec<[f64; 2]> =
-        space.footprints[c].iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
-    width(&footprint) < NARROW
-}
-
-/// What a cell's side has of another is what the other's has of it; only at the hull nothing lies beyond.
-fn sides(space: &Space<'_>, find: Find<'_>) {
-    let hull = space.partition.hull;
-    let on_hull = |a: Point, b: Point| {
-        (a.x == b.x && (a.x == hull[0][0] || a.x == hull[1][0]))
-            || (a.y == b.y && (a.y == hull[0][1] || a.y == hull[1][1]))
-    };
-    // Beside a steep plane a unit in the plan is many in height.
-    let steepest = space.partition.planes.iter().map(cosine).fold(1.0, f64::min);
-    let mut areas: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
-    for c in 0..space.footprints.len() {
-        let (cell, footprint) = (space.cell(c), &space.footprints[c]);
-        for (i, section) in space.sections(cell).iter().enumerate() {
-            let ends = [footprint[i], footprint[(i + 1) % footprint.len()]];
-            let faces = space.faces(section);
-            if faces.is_empty() {
-                find("no face", format!("cell {c} section {i}"));
-                continue;
-            }
-            let sum =
-                |plane: u32| -> i128 { ends.iter().map(|&e| i128::from(space.plane(plane).height(e))).sum() };
-            let (mut low, mut low_plane) = (sum(cell.floor), cell.floor);
-            for (k, face) in faces.iter().enumerate() {
-                let is_last = k + 1 == faces.len();
-                if (face.top == NONE) != is_last {
-                    find("face top", format!("cell {c} section {i} face {k}"));
-                }
-                let high_plane = if face.top == NONE { cell.ceiling } else { face.top };
-                let high = sum(high_plane);
-                let other = face.cover.cell;
-                if (other == NONE) != on_hull(ends[0], ends[1]) {
-                    find("hull side", format!("cell {c} section {i} {ends:?} names {other}"));
-                }
-                let steep = [low_plane, high_plane].map(|plane| cosine(space.plane(plane)));
-                let cosine = steep[0].min(steep[1]);
-                let rise = (high - low) as f64 / 2.0 / FINE as f64;
-                if rise * cosine < -most_inverted(space) && !is_splinter(space, c) {
-                    find("face inverted", format!("cell {c} section {i} face {k} by {rise} units"));
-                }
-                low_plane = high_plane;
-                // The same length on both sides: that along the longer axis.
-                let [a, b] = ends;
-                let length = i128::from((b.x - a.x).abs().max((b.y - a.y).abs()));
-                if other != NONE {
-                    let shared = areas.entry((c as u32, other)).or_default();
-                    shared.area += (high - low) * length;
-                    shared.slack += most_inverted(space) / steepest * length as f64;
-                    areas.entry((other, c as u32)).or_default();
-                }
-                low = high;
-            }
-        }
-    }
-    for (&(a, b), there) in &areas {
-        let back = &areas[&(b, a)];
-        let unit = 2.0 * FINE as f64;
-        let off = (there.area - back.area).abs() as f64 / unit;
-        let is_thin = [a, b].iter().any(|&c| is_splinter(space, c as usize));
-        if a == b || (a < b && off > there.slack.max(back.slack) && !is_thin) {
-            let [there, back] = [there, back].map(|s| s.area as f64 / unit);
-            find("side areas", format!("{a} -> {b}: {there}; back: {back} square units"));
-        }
-    }
-}
-
-/// What one cell's sides have of another.
-#[derive(Default)]
-struct Shared {
-    area: i128,
-    /// What roundings may make of it.
-    slack: f64,
 }
 
 /// Floors and ceilings lie on each other without gaps.
@@ -282,13 +201,14 @@ fn exterior(space: &Space<'_>, find: Find<'_>) {
         let mut all: Vec<u32> = space.below(cell).chain(space.above(cell)).collect();
         for (i, section) in space.sections(cell).iter().enumerate() {
             let ends = [footprint[i], footprint[(i + 1) % footprint.len()]];
-            let mut low = cell.floor;
+            let over = |plane: u32| ends.map(|end| space.plane(plane).height(end) as f64);
+            let mut lows = vec![over(cell.floor)];
             for face in space.faces(section) {
-                let high = if face.top == NONE { cell.ceiling } else { face.top };
-                if ends.iter().any(|&e| space.plane(high).height(e) > space.plane(low).height(e)) {
+                let high = over(if face.top == NONE { cell.ceiling } else { face.top });
+                if sides::area_between(&lows, &[high, over(cell.ceiling)]) > 0.0 {
                     all.push(face.cover.cell);
                 }
-                low = high;
+                lows.push(high);
             }
         }
         all
