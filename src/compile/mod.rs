@@ -123,6 +123,8 @@ pub fn compile_partition(
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
         return Err(CompileError::Tolerance(options.tolerance));
     }
+    prisms::check_frame(partition).map_err(CompileError::Partition)?;
+    let zone = prisms::zone(partition);
     let mut run = Run { options, budget: Budget::new(&options.limits), stages: Vec::new() };
     let count = model.triangle_count();
     if count > u64::from(u32::MAX >> 1) {
@@ -139,10 +141,6 @@ pub fn compile_partition(
     let mut gathered = run.stage("geometry", || geometry::gather(model, &parts, &mut tables))?;
     run.stage("building", || building::add(model, &parts, &mut tables))?;
 
-    let zone = prisms::zone(partition);
-    if !prisms::is_lattice(&partition.lattice) {
-        return Err(CompileError::Partition("its lattice is none".to_owned()));
-    }
     let bounds = bounds(&tables, zone);
     let (center, diameter) = middle(bounds);
     let hull = [bounds[0].map(|c| c - MARGIN), bounds[1].map(|c| c + MARGIN)];
