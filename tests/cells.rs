@@ -187,6 +187,12 @@ fn no_ray_loses_its_way_and_all_kernels_agree() {
                 let cell = &scene.cells()[hit.cell as usize];
                 assert!(hit.cell == 0 || cell.kind == 1, "{name}: {ray:?}: {hit:?} in matter");
                 assert!(hit.cell == 0 || hit.room == cell.room);
+                let size = ray.direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let across: f64 = (0..3).map(|i| ray.direction[i] * hit.normal[i]).sum::<f64>() / size;
+                if across.abs() < 0.05 {
+                    // Along a surface that is rounded, the cell may end before.
+                    continue;
+                }
                 let near = |axis: usize| {
                     let c = made.partition.lattice.local(hit.point)[axis] * made.partition.lattice.step();
                     c >= cell.bounds[0][axis] - 2e-3 && c <= cell.bounds[1][axis] + 2e-3
@@ -324,7 +330,7 @@ fn partitions_that_contradict_themselves_are_refused() {
     };
     assert!(refused(&|p| p.cells[3].floor = 1 << 20).contains("cell 3"));
     assert!(refused(&|p| p.cells[3].sections.end = 1 << 20).contains("sections"));
-    assert!(refused(&|p| p.cells[3].sections.end = p.cells[3].sections.start + 2).contains("footprint"));
+    assert!(refused(&|p| p.cells[3].sections.end = p.cells[3].sections.start + 2).contains("prism"));
     assert!(refused(&|p| p.sections.swap(0, 1)).contains("footprint"));
     assert!(refused(&|p| p.sections[0].start.x = i32::MIN).contains("beyond the lattice"));
     assert!(refused(&|p| p.sections[0].faces.end = p.sections[0].faces.start).contains("face"));

@@ -16,6 +16,7 @@
 //! - *A hit is the nearest.* A cell's detail is all triangles that come within a margin of it; a hit counts up to
 //!   where the ray leaves the cell, and [`NEAR`] farther, which the margin covers.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
@@ -47,6 +48,9 @@ enum Lost {
     /// It passes along matter, into which rounding has brought it: it must begin again so far aside.
     Along(DVec3),
 }
+
+/// So many prisms are tried to start in, where several meet at the start.
+const MOST_TRIED: usize = 16;
 
 /// Walks that pass along matter are begun again so often.
 const MOST_ASIDE: usize = 8;
@@ -151,13 +155,18 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
 
     #[cold]
     fn start_aside(&mut self, hint: u32, found: Option<u32>, clear: f64) -> Result<u32, Lost> {
-        if let Some((way, cell)) = self.path.aside(self.first, hint, clear, self.surfaces.tolerance) {
+        let mut tried = ArrayVec::<u32, MOST_TRIED>::new();
+        while !tried.is_full()
+            && let Some((way, cell)) =
+                self.path.aside(self.first, hint, clear, self.surfaces.tolerance, &tried)
+        {
             let moved = self.path.moved(way);
             // A prism too narrow for that is left as it is.
             if moved.is_clear_in(cell, self.first, 0.0) {
                 self.path = moved;
                 return Ok(cell);
             }
+            tried.push(cell);
         }
         found.ok_or(Lost::Astray)
     }

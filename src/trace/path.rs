@@ -468,16 +468,23 @@ impl<'a> Path<'a> {
 
     /// The way aside, no longer than `margin`, to a parallel ray that starts in the air at `t`, `clear` away from matter;
     /// and the prism that it starts in: `hint`, or the nearest, or of several on whose border the ray starts the one
-    /// that it enters.
+    /// that it enters. Not one that was `tried`.
     #[cold]
-    pub(super) fn aside(&self, t: f64, hint: u32, clear: f64, margin: f64) -> Option<(DVec3, u32)> {
+    pub(super) fn aside(
+        &self,
+        t: f64,
+        hint: u32,
+        clear: f64,
+        margin: f64,
+        tried: &[u32],
+    ) -> Option<(DVec3, u32)> {
         let point = self.at(t);
         let ahead = point + self.direction * (2.0 * NEAR);
         let mut best: Option<(u32, (bool, f64, bool))> = None;
         for &index in self.prisms.listed(point) {
             let cell = &self.prisms.cells[index as usize];
             let outside = self.prisms.outside(cell, point);
-            if cell.kind != CellRecord::AIR || outside > margin {
+            if cell.kind != CellRecord::AIR || outside > margin || tried.contains(&index) {
                 continue;
             }
             let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
@@ -488,6 +495,6 @@ impl<'a> Path<'a> {
         }
         let (index, _) = best?;
         let way = self.prisms.way_into(&self.prisms.cells[index as usize], point, clear);
-        (way.length() <= 2.0 * margin).then_some((way, index))
+        Some((if way.length() <= 2.0 * margin { way } else { DVec3::ZERO }, index))
     }
 }
