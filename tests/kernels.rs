@@ -278,3 +278,17 @@ fn stairs_seen_along_their_risers_are_tight() {
         }
     }
 }
+
+#[test]
+fn a_triangle_seen_almost_edge_on_is_not_met_beyond_its_end() {
+    // A stair's stringer, a metre long, at a millionth to the ray; the ray passes 150 nm beyond its end.
+    let stringer = [
+        [6.502_718_925_476_074, 1.299_999_952_316_284_2, 1.671_102_046_966_552_7],
+        [7.590_000_152_587_891, 0.300_000_011_920_928_96, 1.699_608_922_004_699_7],
+        [6.469_999_790_191_65, 1.299_999_952_316_284_2, 1.725_267_529_487_609_9],
+    ];
+    let origin = [6.389_999_791_113_186, 1.300_000_101_334_195_7, 1.857_705_124_559_057_5];
+    let ray = Ray::new(origin, [0.039_999_961_853_027_344, 0.0, -0.066_218_852_996_826_17]);
+    let scene = compile(&soup(&[stringer]), &CompileOptions::default()).unwrap().scene();
+    assert_eq!(scene.trace_from(Start::Cell(0), &ray, Want::LEAST).t, f64::INFINITY);
+}

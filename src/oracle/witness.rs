@@ -8,7 +8,7 @@ use enfilade_importers::ElementId;
 use super::arrangement::{Arrangement, Point};
 use super::shell::Body;
 use super::soup::{Nearest, first_t};
-use super::triangle::{Line, closest_point};
+use super::triangle::{Corners, Line, closest_point};
 use super::vector::{add, basis, cross, distance, dot, length, max_abs, scale, sub, unit};
 use super::{TrueAnswer, Truth, start};
 use crate::trace::Ray;
@@ -290,38 +290,67 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the ray passes a triangle of `element` that is narrower than rays can be aimed, as near as that, at about
-    /// `t` and not after `before`; and how far along the ray that is off. It stands for the ray that meets the triangle.
+    /// Whether the ray passes a triangle of `element` that it sees narrower than rays can be aimed, as near as that, at
+    /// about `t` and not after `before`; and how far along the ray that is off. It stands for the rays that meet the
+    /// triangle there.
     fn sliver(&self, ray: &Ray, t: f64, element: ElementId, before: f64) -> Option<f64> {
-        /// A side at less of an angle to the ray, in radians, is along it.
-        const ALONG_IT: f64 = 1e-3;
-        let (tolerance, narrow) = (self.truth.tolerance, 4.0 * self.step);
+        let tolerance = self.truth.tolerance;
         let line = Line::new(ray)?;
         let soup = &self.truth.soup;
         let near = self.truth.near_line(&line, t - tolerance, t + tolerance).into_iter();
         let met = near.filter(|&index| soup.element(index) == element).filter_map(|index| {
-            let corners = soup.corners[index as usize];
-            let side = |i: usize| (corners[i], sub(corners[(i + 1) % 3], corners[i]));
-            let (from, way) =
-                (0..3).map(side).reduce(|a, b| if length(b.1) > length(a.1) { b } else { a })?;
-            let twice = length(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
-            if twice > narrow * length(way) {
-                return None;
-            }
-            let from = sub(from, ray.origin);
-            let (flat, flat_way) = (self.project(from), self.project(way));
-            let square = flat_way[0] * flat_way[0] + flat_way[1] * flat_way[1];
-            if square.sqrt() < ALONG_IT * length(way) {
-                return None;
-            }
-            let share = -(flat[0] * flat_way[0] + flat[1] * flat_way[1]) / square;
-            let at = add(from, scale(way, share.clamp(0.0, 1.0)));
-            let [right, up] = self.project(at);
-            let met = dot(at, line.direction);
-            let off = (met - t).abs();
-            (right.hypot(up) <= narrow && met <= before && off <= tolerance).then_some(off)
+            let corners = soup.corners[index as usize].map(|corner| sub(corner, ray.origin));
+            let [nearest, farthest] = self.narrow(&corners, line.direction)?;
+            let off = (nearest - t).max(t - farthest).max(0.0);
+            (nearest <= before && off <= tolerance).then_some(off)
         });
         met.min_by(f64::total_cmp)
+    }
+
+    /// From where to where along the ray a triangle reaches, its corners relative to the origin, that the ray sees
+    /// narrower than rays can be aimed, and passes as near as that.
+    fn narrow(&self, corners: &Corners, direction: [f64; 3]) -> Option<[f64; 2]> {
+        /// A side at less of an angle to the ray, in radians, is along it.
+        const ALONG_IT: f64 = 1e-3;
+        let narrow = 4.0 * self.step;
+        let flat = corners.map(|corner| self.project(corner));
+        let way = |from: usize, to: usize| [flat[to][0] - flat[from][0], flat[to][1] - flat[from][1]];
+        let square = |v: Point| v[0] * v[0] + v[1] * v[1];
+        // The longest side as the ray sees it.
+        let (mut from, mut to, mut third) = (0, 1, 2);
+        for side in [(1, 2, 0), (2, 0, 1)] {
+            if square(way(side.0, side.1)) > square(way(from, to)) {
+                (from, to, third) = side;
+            }
+        }
+        let long = way(from, to);
+        let length_flat = square(long).sqrt();
+        if length_flat < ALONG_IT * distance(corners[from], corners[to]) || length_flat == 0.0 {
+            return None;
+        }
+        // How far along that side and how far across it a point is, seen from its start.
+        let place = |p: Point| {
+            let along = (p[0] * long[0] + p[1] * long[1]) / (length_flat * length_flat);
+            (along, (p[0] * long[1] - p[1] * long[0]) / length_flat)
+        };
+        let (share_of_third, width) = place(way(from, third));
+        let (share, off) = place([-flat[from][0], -flat[from][1]]);
+        let beyond = (share - share.clamp(0.0, 1.0)).abs() * length_flat;
+        if width.abs() > narrow || off.abs() > narrow || beyond > narrow {
+            return None;
+        }
+        let share = share.clamp(0.0, 1.0);
+        let depth = |corner: usize| dot(corners[corner], direction);
+        let between = |from: usize, to: usize, share: f64| depth(from) + share * (depth(to) - depth(from));
+        let one = between(from, to, share);
+        let other = if share < share_of_third {
+            between(from, third, share / share_of_third)
+        } else if share_of_third < 1.0 {
+            between(to, third, ((1.0 - share) / (1.0 - share_of_third)).min(1.0))
+        } else {
+            depth(third)
+        };
+        Some([one.min(other), one.max(other)])
     }
 
     /// What the ray hits first; `None` if it starts inside a carving solid.

@@ -242,12 +242,18 @@ impl Query {
         let [a, b, c] = sheared;
         let across = |p: &[f64; 3]| p[0].abs() + p[1].abs();
         let reach = self.reach + a[2].abs().max(b[2].abs()).max(c[2].abs());
-        let rounding = ROUNDING * reach * (across(a) + across(b) + across(c));
-        if u.min(v).min(w) < -rounding && u.max(v).max(w) > rounding {
+        let [of_a, of_b, of_c] = [across(a), across(b), across(c)].map(|across| ROUNDING * reach * across);
+        let (mut left, mut right) = (false, false);
+        for (side, rounding) in [(u, of_b + of_c), (v, of_c + of_a), (w, of_a + of_b)] {
+            left |= side > rounding;
+            right |= side < -rounding;
+        }
+        if left && right {
             return None;
         }
         let det = u + v + w;
-        if det.abs() > rounding {
+        // A quarter: what is left out is narrower than what its neighbours are met beside them, on either side.
+        if det.abs() > 0.25 * (of_a + of_b + of_c) {
             return Some((u * a[2] + v * b[2] + w * c[2]) / det);
         }
         let [a, b, c] = corners.map(DVec3::from);
