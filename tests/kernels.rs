@@ -172,12 +172,13 @@ proptest! {
         };
         let triangles: Vec<_> = triangles.into_iter().filter(|&t| !flat(t)).collect();
         prop_assume!(!triangles.is_empty());
-        // From points off the lattice towards lattice points: through vertices, but never along a plane.
+        // From points off the lattice to beside lattice points, along no line or plane of the lattice.
+        const ASIDE: [f64; 3] = [0.000_123, 0.000_217, 0.000_331];
         let rays: Vec<Ray> = targets
             .iter()
             .map(|(o, p)| {
                 let origin = [f64::from(o[0]) * 0.3 + 0.017, f64::from(o[1]) * 0.3 + 0.031, f64::from(o[2]) * 0.3 + 0.0457];
-                Ray::new(origin, [0, 1, 2].map(|i| f64::from(p[i]) - origin[i] + 0.000_123 * (i as f64 + 1.0)))
+                Ray::new(origin, [0, 1, 2].map(|i| f64::from(p[i]) - origin[i] + ASIDE[i]))
             })
             .collect();
         prop_assert_eq!(compare(&triangles, &rays), 0);

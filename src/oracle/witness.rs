@@ -339,6 +339,12 @@ impl<'a> Search<'a> {
         if width.abs() > narrow || off.abs() > narrow || beyond > narrow {
             return None;
         }
+        let size = length(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+        let is_sliver = size <= narrow * distance(corners[from], corners[to]);
+        if !is_sliver && width.abs() < self.step / 16.0 {
+            // As far as roundings tell the ray runs in its plane, and meets none of it.
+            return None;
+        }
         let share = share.clamp(0.0, 1.0);
         let depth = |corner: usize| dot(corners[corner], direction);
         let between = |from: usize, to: usize, share: f64| depth(from) + share * (depth(to) - depth(from));
