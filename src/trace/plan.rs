@@ -180,6 +180,50 @@ mod tests {
             prop_assert_eq!(side < 0.0, exact < 0, "{} {}", side, exact);
         }
 
+        /// A square cut into four triangles around a point: where a line leaves one through an edge, it enters the other
+        /// that has it; and through the square it comes without a gap.
+        #[test]
+        fn neighbours_agree(
+            middle in prop::array::uniform2(1i32..64), from in prop::array::uniform2(-8i32..72),
+            to in prop::array::uniform2(-8i32..72), turn in -1e-9f64..1e-9, exactly in any::<bool>(),
+        ) {
+            prop_assume!(from != to);
+            let corner = |x: i32, y: i32| [x as f32 / 8.0, y as f32 / 8.0];
+            let ring = [corner(0, 0), corner(64, 0), corner(64, 64), corner(0, 64)];
+            let middle = corner(middle[0], middle[1]);
+            let origin = DVec3::new(f64::from(from[0]) / 8.0, f64::from(from[1]) / 8.0, 0.0);
+            let toward = DVec3::new(f64::from(to[0]) / 8.0, f64::from(to[1]) / 8.0, 0.0);
+            let turn = if exactly { 0.0 } else { turn };
+            let direction = (toward - origin + DVec3::new(turn, -turn, 0.0)).normalize();
+            let line = PlanLine::new(origin, direction, 256.0);
+            let whole = line.span(&footprint(&ring));
+            let (mut entered, mut left) = ([0; 4], [0; 4]);
+            let (mut outer, mut length) = (0, 0.0);
+            for i in 0..4 {
+                // Sides: from the middle to corner i, along the ring, and back.
+                let sides = footprint(&[middle, ring[i], ring[(i + 1) % 4]]);
+                let Some(span) = line.span(&sides) else { continue };
+                length += span.leave - span.enter;
+                match span.side {
+                    0 => left[i] += 1,
+                    1 => outer += 1,
+                    _ => left[(i + 1) % 4] += 1,
+                }
+                let enters = (0..3).find(|&k| {
+                    line.side(sides[k].start) >= 0.0 && line.side(sides[(k + 1) % 3].start) < 0.0
+                });
+                match enters.unwrap() {
+                    0 => entered[i] += 1,
+                    1 => outer += 1,
+                    _ => entered[(i + 1) % 4] += 1,
+                }
+            }
+            prop_assert_eq!(entered, left);
+            prop_assert_eq!(outer, if whole.is_some() { 2 } else { 0 });
+            let expected = whole.map_or(0.0, |span| span.leave - span.enter);
+            prop_assert!((length - expected).abs() < 1e-9, "{} {}", length, expected);
+        }
+
         #[test]
         fn sums_have_the_right_sign(high in -1000i64..1000, low in -1000i64..1000, shift in 0i32..100) {
             // high + low 2^-shift - high, in an order that loses the middle term.
