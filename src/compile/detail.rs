@@ -1,7 +1,6 @@
 //! Which triangles are detail of which cells.
 //!
-//! A triangle is detail of every prism of air that it comes within the tolerance of, of every prism of matter that it
-//! touches, and of the zone around them if it is not well inside the prisms' box. The test clips the triangle by the
+//! A triangle is detail of every prism of air that it comes within the tolerance of. The test clips the triangle by the
 //! prism's planes, moved outward by the margin: it may keep a little too much at sharp corners, never too little.
 
 use std::ops::Range;
@@ -12,9 +11,6 @@ use super::cell_grid::CellGrid;
 use crate::format::Tables;
 use crate::format::records::{CellRecord, PlaneRecord};
 use crate::trace::to_lattice;
-
-/// A triangle touches a prism that it is no farther from than this, metres: what rounding can move it.
-const TOUCH: f64 = 1e-9;
 
 /// Triangles that one task takes at a time.
 const CHUNK: usize = 256;
@@ -87,11 +83,7 @@ impl Assign<'_> {
             hi = [0, 1, 2].map(|i| hi[i].max(p[i]));
         }
         let (margin, zone) = (self.margin, self.zone);
-        let within = (0..3).all(|i| lo[i] >= zone[0][i] + margin && hi[i] <= zone[1][i] - margin);
         let apart = (0..3).any(|i| hi[i] < zone[0][i] - margin || lo[i] > zone[1][i] + margin);
-        if !within {
-            pairs.push((0, triangle));
-        }
         if apart {
             return;
         }
@@ -129,7 +121,10 @@ impl Assign<'_> {
                 continue;
             }
             let cell = &self.tables.cells[index as usize];
-            let margin = if cell.kind == CellRecord::AIR { self.margin } else { TOUCH };
+            if cell.kind != CellRecord::AIR {
+                continue;
+            }
+            let margin = self.margin;
             let [from, to] = cell.bounds;
             let near = (0..3).all(|i| lo[i] <= to[i] + margin && hi[i] >= from[i] - margin);
             if near && touches(self.tables, cell, corners, margin, &mut self.scratch) {

@@ -277,13 +277,16 @@ fn add_detail(
         None => detail.iter().map(|&t| (0, t)).collect(),
         Some(zone) => run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance))?,
     };
+    let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     run.budget.take_items(
-        pairs.len() as u64,
+        pairs.len() as u64 + all,
         2 * 160 + size_of::<BlockRecord>() / 2 + size_of::<NodeRecord>() / 8,
         "the hierarchies of boxes",
     )?;
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
     let depth = run.stage("hierarchy", || {
+        // What cell 0 has beside detail around the prisms: all there is, for rays that pass edges too near for cells.
+        let all = zone.map(|_| (Owner::Cell(0), (0..gathered.detail_triangles).collect()));
         let owned = detail::by_cell(&pairs);
         let cells = owned.into_iter().map(|(cell, range)| {
             let ids: Vec<u32> = pairs[range].iter().map(|&(_, triangle)| triangle).collect();
@@ -294,7 +297,7 @@ fn add_detail(
             let first = source.first as usize;
             (Owner::Source(index), tables.surfaces[first..first + source.count as usize].to_vec())
         });
-        let jobs: Vec<(Owner, Vec<u32>)> = cells.chain(sources).collect();
+        let jobs: Vec<(Owner, Vec<u32>)> = all.into_iter().chain(cells).chain(sources).collect();
         let build = |(owner, ids): (Owner, Vec<u32>)| {
             let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
             let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();

@@ -14,16 +14,15 @@ pub struct Cost {
     pub tests: u32,
     /// Prisms crossed.
     pub cells: u32,
-    /// Walks from cell to cell that lost their way and were begun again a nanometre aside: none, but by rounding in
-    /// planes that meet in a line along the ray, or in damaged files.
-    pub restarts: u32,
+    /// Walks from cell to cell that could not tell, and were answered by the hierarchy of all triangles.
+    pub unsure: u32,
 }
 
 impl Cost {
     /// All steps.
     pub const fn total(self) -> u32 {
         let detail = self.nodes.saturating_add(self.blocks).saturating_add(self.tests);
-        detail.saturating_add(self.cells).saturating_add(self.restarts)
+        detail.saturating_add(self.cells).saturating_add(self.unsure)
     }
 }
 

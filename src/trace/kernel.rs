@@ -76,7 +76,7 @@ pub(super) trait Probe {
     /// A triangle was tested in f64.
     fn test(&mut self) {}
     /// A walk from cell to cell lost its way.
-    fn restart(&mut self) {}
+    fn unsure(&mut self) {}
 }
 
 /// A kernel that counts nothing; with `ANY`, that finds some hit.
@@ -107,7 +107,7 @@ impl Probe for Cost {
     fn test(&mut self) {
         self.tests = self.tests.saturating_add(1);
     }
-    fn restart(&mut self) {
-        self.restarts = self.restarts.saturating_add(1);
+    fn unsure(&mut self) {
+        self.unsure = self.unsure.saturating_add(1);
     }
 }

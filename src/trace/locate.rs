@@ -45,7 +45,7 @@ impl Scene {
         let mut cell = 0;
         if self.tables.cells.len() > 1 {
             let prisms = Prisms::new(&self.tables);
-            cell = prisms.place(DVec3::from(point), self.tolerance()).unwrap_or(0);
+            cell = prisms.place(prisms.local(DVec3::from(point)), self.tolerance()).unwrap_or(0);
             let CellRecord { kind, semantic, room, .. } = prisms.cells[cell as usize];
             if kind == CellRecord::AIR {
                 let label = Semantic::from_number(semantic).unwrap_or_default();

@@ -11,8 +11,9 @@ use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, S
 /// A point no farther than this outside of a prism counts as in it, metres: what rounding can move it.
 pub(super) const NEAR: f64 = 1e-9;
 
-/// So many steps of the lattice rounding may have moved surfaces.
-const CLEAR: f64 = 4.0;
+/// So far, metres, cells may differ from the model: what the partition's audit lets pass, its straightening, and rounding.
+/// Where a ray passes an edge of a face this near, cells do not tell on which side.
+const BLURRED: f64 = 5e-4;
 
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -28,6 +29,8 @@ pub(super) struct Exit {
     pub(super) source: u32,
     /// Through which of the cell's planes.
     through: Through,
+    /// Whether it is so near to an edge that a ray hardly aside may leave otherwise.
+    pub(super) is_near_edge: bool,
 }
 
 /// A plane of a prism.
@@ -44,7 +47,7 @@ enum Through {
 impl Exit {
     /// Into a prism, from outside of all.
     pub(super) fn into_zone(t: f64, cell: u32) -> Exit {
-        Exit { t, cell, source: NONE, through: Through::Air }
+        Exit { t, cell, source: NONE, through: Through::Air, is_near_edge: false }
     }
 }
 
@@ -58,15 +61,13 @@ pub(super) struct Prisms<'a> {
     planes: &'a [PlaneRecord],
     starts: &'a [u32],
     listed: &'a [u32],
-    zone: [[f64; 3]; 2],
+    pub(super) zone: [[f64; 3]; 2],
     step: [f64; 3],
     dims: [u32; 3],
     origin: [f64; 3],
     turn: [f64; 2],
     /// Bounds all coordinates from the lattice's origin, metres.
     reach: f64,
-    /// So far rounding may have moved surfaces, metres.
-    pub(super) clear: f64,
 }
 
 impl<'a> Prisms<'a> {
@@ -87,13 +88,12 @@ impl<'a> Prisms<'a> {
             origin: scene.lattice_origin,
             turn: scene.lattice_turn,
             reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
-            clear: CLEAR * (-f64::from(scene.lattice_bits)).exp2(),
         }
     }
 
     /// A point of the internal frame along the lattice's axes from its origin.
     #[inline]
-    fn local(&self, point: DVec3) -> DVec3 {
+    pub(super) fn local(&self, point: DVec3) -> DVec3 {
         DVec3::from(to_lattice(point.to_array(), self.origin, self.turn))
     }
 
@@ -102,11 +102,6 @@ impl<'a> Prisms<'a> {
         let [cos, sin] = self.turn;
         let [x, y, z] = direction.to_array();
         DVec3::new(x * cos - y * sin, x * sin + y * cos, z)
-    }
-
-    /// The point of the internal frame at a point given along the lattice's axes.
-    pub(super) fn internal(&self, point: DVec3) -> DVec3 {
-        self.turned_back(point) + DVec3::from(self.origin)
     }
 
     /// A direction of the internal frame along the lattice's axes.
@@ -124,24 +119,6 @@ impl<'a> Prisms<'a> {
     fn upward(&self, plane: u32) -> DVec3 {
         let [p, q] = self.planes[plane as usize].slope;
         DVec3::new(-p, -q, 1.0)
-    }
-
-    /// All that may be met at the surface of a cell, with a normal there, outward; the same one several times.
-    pub(super) fn sources_of(&self, cell: &CellRecord) -> impl Iterator<Item = (u32, DVec3)> + 'a {
-        let first = cell.first_cover as usize;
-        let middle = first + cell.below as usize;
-        let of = |covers: &'a [CoverRecord], normal: DVec3| covers.iter().map(move |c| (c.source, normal));
-        let below = of(&self.covers[first..middle], -self.upward(cell.floor));
-        let above = of(&self.covers[middle..middle + cell.above as usize], self.upward(cell.ceiling));
-        let (faces, sides) = (self.faces, self.sides_of(cell));
-        let of_side = move |i: usize| {
-            let normal = outward(sides[i].start, sides[(i + 1) % sides.len()].start);
-            let first = sides[i].first_face as usize;
-            faces[first..first + sides[i].faces as usize].iter().map(move |face| (face.source, normal))
-        };
-        let all = (0..sides.len()).flat_map(of_side).chain(below).chain(above);
-        let mut last = NONE;
-        all.filter(move |&(source, _)| source != NONE && std::mem::replace(&mut last, source) != source)
     }
 
     /// Whether `point` (from the lattice's origin) lies in the zone of the prisms.
@@ -186,92 +163,68 @@ impl<'a> Prisms<'a> {
         }
     }
 
-    /// Calls `each` with every plane of the prism: its unit normal, outward, how far `point` is outside of it, metres,
-    /// and whether there is matter at it.
-    fn planes_of(&self, cell: &CellRecord, point: DVec3, mut each: impl FnMut(DVec3, f64, bool)) {
-        let first = cell.first_cover as usize;
-        let middle = first + cell.below as usize;
-        let covers = [first..middle, middle..middle + cell.above as usize];
-        for (plane, up, covers) in
-            [(cell.floor, -1.0, covers[0].clone()), (cell.ceiling, 1.0, covers[1].clone())]
-        {
+    /// Whether `point` (from the lattice's origin) is in the prism, or outside by no more than cells may be off.
+    #[inline]
+    pub(super) fn nearly_holds(&self, cell: &CellRecord, point: DVec3) -> bool {
+        let over = |plane: u32, up: f64| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
-            let scale = up / (1.0 + p * p + q * q).sqrt();
-            let over = (point.z - p * point.x - q * point.y - height) * scale;
-            let matter = self.covers[covers].iter().any(|cover| cover.source != NONE);
-            each(DVec3::new(-p, -q, 1.0) * scale, over, matter);
-        }
-        let sides = self.sides_of(cell);
-        for (i, side) in sides.iter().enumerate() {
-            let a = side.start.map(f64::from);
-            let b = sides[(i + 1) % sides.len()].start.map(f64::from);
-            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-            let scale = 1.0 / (ex * ex + ey * ey).sqrt();
-            let right = (ex * (a[1] - point.y) - ey * (a[0] - point.x)) * scale;
-            let faces = &self.faces[side.first_face as usize..(side.first_face + side.faces) as usize];
-            let matter = faces.iter().any(|face| face.source != NONE);
-            each(DVec3::new(ey * scale, -ex * scale, 0.0), right, matter);
-        }
+            (point.z - p * point.x - q * point.y - height) * up <= BLURRED * (1.0 + p.abs() + q.abs())
+        };
+        over(cell.floor, -1.0)
+            && over(cell.ceiling, 1.0)
+            && edges(self.sides_of(cell)).all(|[a, b]| {
+                let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= BLURRED * (ex.abs() + ey.abs())
+            })
     }
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
     fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
-        let mut most = f64::NEG_INFINITY;
-        self.planes_of(cell, point, |_, over, _| most = most.max(over));
-        most
+        let over = |plane: u32, up: f64| {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            (point.z - p * point.x - q * point.y - height) * up / (1.0 + p * p + q * q).sqrt()
+        };
+        over(cell.floor, -1.0).max(over(cell.ceiling, 1.0)).max(-inward(self.sides_of(cell), point))
     }
 
-    /// Whether `point` is in the prism, and `clear` away from all matter at its surface.
-    fn is_clear(&self, cell: &CellRecord, point: DVec3, clear: f64) -> bool {
-        let mut is_clear = true;
-        self.planes_of(cell, point, |_, over, matter| is_clear &= over <= if matter { -clear } else { 0.0 });
-        is_clear
-    }
-
-    /// The way from `point` into the prism, and `clear` away from all matter at its surface, as far as it is wide enough;
-    /// a little within all other planes.
-    fn way_into(&self, cell: &CellRecord, point: DVec3, clear: f64) -> DVec3 {
-        /// Planes at a corner push the point across each other: this brings it there but for some 2^-ROUNDS of the way.
-        const ROUNDS: usize = 8;
-        let mut to = point;
-        for _ in 0..ROUNDS {
-            let mut moved = to;
-            // One plane after the other, so that each sees what those before have done.
-            self.planes_of(cell, to, |normal, over, matter| {
-                let done = normal.dot(moved - to);
-                let wanted = if matter { clear } else { clear / 16.0 };
-                if over + done > -wanted {
-                    moved -= normal * (over + done + wanted);
-                }
-            });
-            if moved == to {
-                break;
-            }
-            to = moved;
-        }
-        to - point
-    }
-
-    /// The air prism that holds `point` (internal frame) or is nearest to it, and no farther than `margin`; else a solid
-    /// one.
+    /// The prism of air that holds `point` (from the lattice's origin) or is nearest to it, and no farther than `margin`;
+    /// else one of matter.
     pub(super) fn place(&self, point: DVec3, margin: f64) -> Option<u32> {
-        let point = self.local(point);
         if !self.hold(point) {
             return None;
         }
-        let best = |kind: u32| {
-            let mut best: Option<(u32, f64)> = None;
-            for &index in self.listed(point) {
-                let cell = &self.cells[index as usize];
-                let outside = if cell.kind == kind { self.outside(cell, point) } else { f64::INFINITY };
-                if outside <= margin && best.is_none_or(|(_, least)| outside < least) {
-                    best = Some((index, outside));
-                }
+        let mut best: Option<(bool, f64, u32)> = None;
+        for &index in self.listed(point) {
+            let cell = &self.cells[index as usize];
+            let [lo, hi] = cell.bounds.map(DVec3::from);
+            if (point + margin).cmplt(lo).any() || (point - margin).cmpgt(hi).any() {
+                continue;
             }
-            best.map(|(index, _)| index)
-        };
-        best(CellRecord::AIR).or_else(|| best(CellRecord::SOLID))
+            // In the one or in the other: of two that meet there, the lower.
+            let outside = self.outside(cell, point).max(0.0);
+            let rank = (cell.kind != CellRecord::AIR, outside, index);
+            if outside <= margin && best.is_none_or(|best| rank < best) {
+                best = Some(rank);
+            }
+        }
+        best.map(|(_, _, index)| index)
     }
+}
+
+/// The edges of a footprint.
+#[inline]
+fn edges(sides: &[SideRecord]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+    let next = sides.iter().skip(1).chain(sides.first());
+    sides.iter().zip(next).map(|(a, b)| [a, b].map(|side| side.start.map(f64::from)))
+}
+
+/// How far, metres, `point` is inside of the nearest of a footprint's sides; negative outside.
+fn inward(sides: &[SideRecord], point: DVec3) -> f64 {
+    let inward = edges(sides).map(|[a, b]| {
+        let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+        (ex * (point.y - a[1]) - ey * (point.x - a[0])) / (ex * ex + ey * ey).sqrt()
+    });
+    inward.fold(f64::INFINITY, f64::min)
 }
 
 /// A point, metres in the internal frame, along the axes of the lattice from its origin.
@@ -314,13 +267,6 @@ impl<'a> Path<'a> {
         Some(self.prisms.zone_span(self.origin, self.direction)?.map(|t| t + self.start))
     }
 
-    /// The parallel path that is `way` aside.
-    pub(super) fn moved(&self, way: DVec3) -> Path<'a> {
-        let origin = self.origin + way;
-        let plan = PlanLine::new(origin, self.direction, self.prisms.reach);
-        Path { origin, plan, ..*self }
-    }
-
     /// The point at `t`, from the lattice's origin.
     pub(super) fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * (t - self.start)
@@ -350,17 +296,28 @@ impl<'a> Path<'a> {
         let (ceiling, ceiling_grows) = self.over(cell.ceiling);
         let down = floor_grows < 0.0 && floor + t * floor_grows < 0.0;
         let up = ceiling_grows > 0.0 && ceiling + t * ceiling_grows > 0.0;
+        let (slant, by_corner) = match span {
+            _ if self.plan.vertical => (0.0, inward(sides, self.origin) < BLURRED),
+            Some(span) => (span.slant, span.nearest < BLURRED * self.plan.length),
+            None => return None,
+        };
+        // Whether a ray `BLURRED` aside crosses a plane on the other side of where it leaves the footprint.
+        let is_near = |over: f64, grows: f64| (over + t * grows).abs() < BLURRED * (2.0 + slant * grows.abs());
+        let mut is_near_edge = by_corner
+            || (!self.plan.vertical && (is_near(floor, floor_grows) || is_near(ceiling, ceiling_grows)));
         if down || up {
             let (t_down, t_up) = (-floor / floor_grows, -ceiling / ceiling_grows);
             let first = cell.first_cover as usize;
             let middle = first + cell.below as usize;
-            let (t, covers, through) = if down && !(up && t_up < t_down) {
-                (t_down, &self.prisms.covers[first..middle], Through::Floor)
+            let (t, grows, covers, through) = if down && !(up && t_up < t_down) {
+                (t_down, floor_grows, &self.prisms.covers[first..middle], Through::Floor)
             } else {
-                (t_up, &self.prisms.covers[middle..middle + cell.above as usize], Through::Ceiling)
+                let covers = &self.prisms.covers[middle..middle + cell.above as usize];
+                (t_up, ceiling_grows, covers, Through::Ceiling)
             };
-            let cover = self.cover(covers, t)?;
-            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source, through });
+            is_near_edge |= down && up && (t_down - t_up).abs() * grows.abs() < 4.0 * BLURRED;
+            let cover = self.cover(covers, t, BLURRED * (1.0 + self.plan.length / grows.abs()))?;
+            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source, through, is_near_edge });
         }
         // Vertical, and its planes say neither up nor down: no prism.
         let index = side?;
@@ -368,15 +325,20 @@ impl<'a> Path<'a> {
         let first = side.first_face as usize;
         let faces = &self.prisms.faces[first..first + side.faces as usize];
         let (last, others) = faces.split_last()?;
-        let is_below = |face: &&FaceRecord| {
-            face.top == NONE || {
-                let (over, grows) = self.over(face.top);
-                over + t * grows < 0.0
+        let mut face = last;
+        for other in others.iter().rev() {
+            if other.top == NONE {
+                face = other;
+                continue;
             }
-        };
-        let face = others.iter().find(is_below).unwrap_or(last);
+            let (over, grows) = self.over(other.top);
+            is_near_edge |= is_near(over, grows);
+            if over + t * grows < 0.0 {
+                face = other;
+            }
+        }
         let through = Through::Side(cell.first_side + index as u32);
-        Some(Exit { t: t + self.start, cell: face.cell, source: face.source, through })
+        Some(Exit { t: t + self.start, cell: face.cell, source: face.source, through, is_near_edge })
     }
 
     /// A normal of the plane through which the ray leaves a prism, outward, of any length.
@@ -394,107 +356,33 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// The part of a floor or ceiling that the ray passes, `t` from its start: the one whose cell's footprint the line
-    /// crosses there, or most nearly there.
-    fn cover(&self, covers: &[CoverRecord], t: f64) -> Option<CoverRecord> {
+    /// The part of a floor or ceiling that the ray passes, `t` from its start, if it is so far inside of its border.
+    #[inline]
+    fn cover(&self, covers: &[CoverRecord], t: f64, margin: f64) -> Option<CoverRecord> {
         if let [only] = covers {
             return Some(*only);
         }
-        let at = if self.plan.vertical { 0.0 } else { t };
-        let mut best: Option<(CoverRecord, f64)> = None;
+        let point = self.origin + self.direction * t;
+        let mut around = None;
         for cover in covers {
-            let cell = self.prisms.cells.get(cover.cell as usize).filter(|c| c.kind != CellRecord::AROUND);
-            let depth = match cell {
-                Some(cell) => match self.plan.span(self.prisms.sides_of(cell)) {
-                    Some(span) => (at - span.enter).min(span.leave - at),
-                    None => continue,
-                },
-                // Around the prisms: only where none of them is.
-                None => -NEAR,
-            };
-            if best.is_none_or(|(_, most)| depth > most) {
-                best = Some((*cover, depth));
-            }
-        }
-        best.map(|(cover, _)| cover)
-    }
-
-    /// Whether the ray is in the air of `cell` at `t`, `clear` away from matter.
-    #[inline]
-    pub(super) fn is_clear_in(&self, cell: u32, t: f64, clear: f64) -> bool {
-        self.prisms.cells.get(cell as usize).is_some_and(|record| {
-            record.kind == CellRecord::AIR
-                && self.prisms.is_clear(record, self.at(t), clear)
-                && self.is_member(record, t)
-        })
-    }
-
-    /// Whether a walk that comes to `t` may be in the cell there: its line crosses the footprint, and is between floor and
-    /// ceiling as [`Path::leave`] has it.
-    fn is_member(&self, cell: &CellRecord, t: f64) -> bool {
-        let t = t - self.start;
-        let is_below = |plane: u32| {
-            let (over, grows) = self.over(plane);
-            let over = over + t * grows;
-            over < 0.0 || (over == 0.0 && grows < 0.0)
-        };
-        !is_below(cell.floor)
-            && is_below(cell.ceiling)
-            && self.plan.span(self.prisms.sides_of(cell)).is_some()
-    }
-
-    /// The prism in which the ray is at `t`, in the zone: on a border that in which the walk may be, air rather than matter,
-    /// and that which the ray enters rather than the one that it leaves.
-    pub(super) fn find(&self, t: f64) -> Option<u32> {
-        let zone = self.prisms.zone.map(DVec3::from);
-        let point = self.at(t).max(zone[0]).min(zone[1]);
-        let ahead = point + self.direction * (2.0 * NEAR);
-        let mut best: Option<(u32, (bool, bool, bool))> = None;
-        for &index in self.prisms.listed(point) {
-            let cell = &self.prisms.cells[index as usize];
-            let is_here = self.prisms.outside(cell, point) <= NEAR
-                && self.plan.span(self.prisms.sides_of(cell)).is_some();
-            if !is_here {
+            let cell = self.prisms.cells.get(cover.cell as usize)?;
+            if cell.kind == CellRecord::AROUND {
+                around = Some(*cover);
                 continue;
             }
-            let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
-            let rank = (!self.is_member(cell, t), cell.kind != CellRecord::AIR, is_left);
-            if best.is_none_or(|(_, least)| rank < least) {
-                best = Some((index, rank));
+            let [lo, hi] = cell.bounds;
+            let may_hold = point.x >= lo[0] && point.x <= hi[0] && point.y >= lo[1] && point.y <= hi[1];
+            if may_hold {
+                let inward = inward(self.prisms.sides_of(cell), point);
+                if inward >= margin {
+                    return Some(*cover);
+                }
+                if inward >= -margin {
+                    return None;
+                }
             }
         }
-        best.map(|(index, _)| index)
-    }
-
-    /// The way aside, no longer than `margin`, to a parallel ray that starts in the air at `t`, `clear` away from matter;
-    /// and the prism that it starts in: `hint`, or the nearest, or of several on whose border the ray starts the one
-    /// that it enters. Not one that was `tried`.
-    #[cold]
-    pub(super) fn aside(
-        &self,
-        t: f64,
-        hint: u32,
-        clear: f64,
-        margin: f64,
-        tried: &[u32],
-    ) -> Option<(DVec3, u32)> {
-        let point = self.at(t);
-        let ahead = point + self.direction * (2.0 * NEAR);
-        let mut best: Option<(u32, (bool, f64, bool))> = None;
-        for &index in self.prisms.listed(point) {
-            let cell = &self.prisms.cells[index as usize];
-            let outside = self.prisms.outside(cell, point);
-            if cell.kind != CellRecord::AIR || outside > margin || tried.contains(&index) {
-                continue;
-            }
-            let is_left = self.prisms.outside(cell, ahead) > NEAR / 2.0;
-            let rank = (index != hint, if outside <= NEAR { 0.0 } else { outside }, is_left);
-            if best.is_none_or(|(_, least)| rank < least) {
-                best = Some((index, rank));
-            }
-        }
-        let (index, _) = best?;
-        let way = self.prisms.way_into(&self.prisms.cells[index as usize], point, clear);
-        Some((if way.length() <= 2.0 * margin { way } else { DVec3::ZERO }, index))
+        // Around the prisms: only where none of them is.
+        around
     }
 }

@@ -25,6 +25,8 @@ pub(super) struct PlanLine {
     doubt: f64,
     /// 1 by the direction's squared length.
     inverse: f64,
+    /// The direction's length.
+    pub(super) length: f64,
     /// The direction is that of x, and stands for none: the ray is vertical.
     pub(super) vertical: bool,
 }
@@ -36,6 +38,10 @@ pub(super) struct Span {
     pub(super) enter: f64,
     pub(super) leave: f64,
     pub(super) side: usize,
+    /// The least side of all corners, in size: how near the line passes a vertical edge, times [`PlanLine::length`].
+    pub(super) nearest: f64,
+    /// How far the line goes on when it is moved by 1 across the side: 1 at right angles, more if it is aslant.
+    pub(super) slant: f64,
 }
 
 impl PlanLine {
@@ -50,8 +56,9 @@ impl PlanLine {
         let moment = d[1] * origin.x - d[0] * origin.y;
         // Two products and two sums, each off by at most 2^-53 of its result: less than this by a half.
         let doubt = (-50f64).exp2() * ((d[0].abs() + d[1].abs()) * reach + moment.abs());
-        let inverse = 1.0 / (d[0] * d[0] + d[1] * d[1]);
-        PlanLine { origin: [origin.x, origin.y], direction: d, moment, doubt, inverse, vertical }
+        let squared = d[0] * d[0] + d[1] * d[1];
+        let (inverse, length) = (1.0 / squared, squared.sqrt());
+        PlanLine { origin: [origin.x, origin.y], direction: d, moment, doubt, inverse, length, vertical }
     }
 
     /// The vertex's side of the line: negative on its right, else on its left or on it. The sign is exact, the size is
@@ -79,20 +86,23 @@ impl PlanLine {
         let mut before = *sides.last()?;
         let mut from = self.side(before.start);
         let (mut enter, mut leave) = (None, None);
+        let mut nearest = f64::INFINITY;
         for (i, here) in sides.iter().enumerate() {
             let to = self.side(here.start);
+            nearest = nearest.min(to.abs());
             if (from < 0.0) != (to < 0.0) {
                 let t = self.crossing(before.start, here.start, from, to);
                 if from < 0.0 {
-                    leave = Some((t, i));
+                    leave = Some((t, i, slant(before.start, here.start, from - to)));
                 } else {
                     enter = Some(t);
                 }
             }
             (before, from) = (*here, to);
         }
-        let (leave, next) = leave?;
-        Some(Span { enter: enter?, leave, side: (next + sides.len() - 1) % sides.len() })
+        let (leave, next, slant) = leave?;
+        let side = (next + sides.len() - 1) % sides.len();
+        Some(Span { enter: enter?, leave, side, nearest, slant })
     }
 
     /// Where the line crosses the edge between two vertices, of which just one is on its right. Never beyond the edge's
@@ -106,6 +116,14 @@ impl PlanLine {
         };
         (at(0) + at(1)) * self.inverse
     }
+}
+
+/// How far along itself a line crosses an edge later when it is moved by 1 across it; `sides`: the difference of its ends'
+/// sides. A little too much: no root.
+#[inline(always)]
+fn slant(from: [f32; 2], to: [f32; 2], sides: f64) -> f64 {
+    let length = f64::from((from[0] - to[0]).abs()) + f64::from((from[1] - to[1]).abs());
+    length / sides.abs()
 }
 
 /// The product and what its rounding lost.
@@ -172,6 +190,7 @@ mod tests {
                 moment: (d[1] * (a[0] / 4) - d[0] * (a[1] / 4)) as f64 * size,
                 doubt: 1e30,
                 inverse: 1.0,
+                length: 1.0,
                 vertical: false,
             };
             let exact = i128::from(d[0]) * i128::from(v[1]) - i128::from(d[1]) * i128::from(v[0])

@@ -173,7 +173,8 @@ impl Scene {
     /// The cell of air at a surface that was met in the matter of `cell`, and its room: rounding has hidden it.
     #[cold]
     fn air_at(&self, point: DVec3, cell: u32) -> (u32, u32) {
-        let cell = Prisms::new(&self.tables).place(point, self.tolerance()).unwrap_or(cell);
+        let prisms = Prisms::new(&self.tables);
+        let cell = prisms.place(prisms.local(point), self.tolerance()).unwrap_or(cell);
         (cell, self.tables.cells[cell as usize].room)
     }
 
