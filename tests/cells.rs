@@ -59,7 +59,9 @@ fn compiled(made: &Made) -> Scene {
 }
 
 fn whole(made: &Made) -> Scene {
-    compile(&made.model, &CompileOptions::default()).unwrap().scene()
+    let mut options = CompileOptions::default();
+    options.cells = false;
+    compile(&made.model, &options).unwrap().scene()
 }
 
 fn truth(made: &Made) -> Truth {
@@ -75,30 +77,6 @@ fn verified(made: &Made, scene: &Scene, rays: u64, seed: u64) -> VerifyReport {
     verify(&made.model, |e| roles[e.0 as usize], &tracer, &options).unwrap()
 }
 
-/// The cases of `report` that are wrong indeed: for which not even rays shifted by any of some hundred ways have the
-/// given answer. (The search for witnesses that `verify` makes knows the edges that it must go around, but not all of
-/// the places where a ray may start that begins at the corner of a solid.)
-fn truly_wrong(made: &Made, report: &VerifyReport) -> Vec<Case> {
-    let truth = truth(made);
-    let steps = [-4e-4, -5e-5, -5e-6, -3e-7, 0.0, 3e-7, 5e-6, 5e-5, 4e-4];
-    let agrees = |said: &Said, exact: &TrueAnswer| match (said, exact) {
-        (Said::Hit { t, element }, TrueAnswer::Hit(n)) => n.element.0 == *element && (n.t - t).abs() <= 1e-3,
-        (Said::Escaped, TrueAnswer::Escaped) => true,
-        (Said::InSolid(elements), TrueAnswer::InSolid(solids)) => {
-            elements.iter().any(|&e| solids.iter().any(|s| s.0 == e))
-        }
-        _ => false,
-    };
-    let has_witness = |case: &&Case| {
-        (0..729).any(|i| {
-            let way = [i % 9, i / 9 % 9, i / 81].map(|k| steps[k]);
-            let origin = [0, 1, 2].map(|axis| case.origin[axis] + way[axis]);
-            agrees(&case.answered, &truth.answer(&Ray::new(origin, case.direction)))
-        })
-    };
-    report.wrong.iter().filter(|case| !has_witness(case)).cloned().collect()
-}
-
 #[test]
 fn exact_partitions_answer_right() {
     for (name, style) in EXACT {
@@ -108,8 +86,7 @@ fn exact_partitions_answer_right() {
             let report = verified(&made, &scene, 6000, seed);
             println!("{name} {seed}: {} cells, {:?}", scene.cells().len(), report.total);
             assert!(scene.cells().len() > 50 && report.total.hits > 1000);
-            let wrong = truly_wrong(&made, &report);
-            assert!(wrong.is_empty(), "{name} {seed}: {wrong:?}");
+            assert!(report.wrong.is_empty(), "{name} {seed}: {:?}", report.wrong);
             assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
             assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }
@@ -118,23 +95,16 @@ fn exact_partitions_answer_right() {
 
 #[test]
 fn rounded_partitions_answer_right() {
-    let (mut hard, mut wrong) = (0, 0);
     for (name, style) in ROUNDED {
         for seed in 0..4 {
             let made = random_made(&style, seed);
             let report = verified(&made, &compiled(&made), 6000, seed);
             println!("{name} {seed}: {:?}", report.total);
-            let cases = truly_wrong(&made, &report);
-            // Walls side by side are off by microns each in its own way: a ray that runs along several of them, aimed from a
-            // corner of one at a corner of another, meets one of them or another by picometres.
-            assert!(cases.iter().all(|case| case.kind == RayKind::Hard), "{name} {seed}: {cases:?}");
-            hard += 300;
-            wrong += cases.len();
+            assert!(report.wrong.is_empty(), "{name} {seed}: {:?}", report.wrong);
             assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
             assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }
     }
-    assert!(wrong * 500 <= hard, "{wrong} of {hard} hard rays");
 }
 
 /// Rays of all kinds, and some between corners of cells and along their axes.
@@ -169,15 +139,18 @@ fn rays(made: &Made, count: u64, seed: u64) -> Vec<Ray> {
 }
 
 #[test]
-fn no_ray_loses_its_way_and_all_kernels_agree() {
+fn cells_answer_most_rays_and_all_kernels_agree() {
     for (name, style) in EXACT.iter().chain(&ROUNDED) {
         let made = random_made(style, 11);
         let scene = compiled(&made);
-        let mut crossed = 0u64;
-        for ray in rays(&made, 1500, 3) {
+        let (mut crossed, mut random, mut unsure) = (0, 0, 0);
+        // Of the first, three of four are random rays.
+        for (i, ray) in rays(&made, 1500, 3).into_iter().enumerate() {
             let (hit, cost) = scene.trace_cost_from(Start::Anywhere, &ray, Want::default());
-            assert_eq!(cost.restarts, 0, "{name}: {ray:?}");
-            crossed += u64::from(cost.cells);
+            crossed += cost.cells;
+            if i < 1500 && i % 4 != 3 && !matches!(hit.answer(), Answer::InSolid(_)) {
+                (random, unsure) = (random + 1, unsure + cost.unsure.min(1));
+            }
             for kernel in Kernel::available() {
                 let other = scene.trace_with(kernel, Start::Anywhere, &ray, Want::default());
                 assert_eq!(hit.answer(), other.answer(), "{name}: {ray:?}");
@@ -200,7 +173,9 @@ fn no_ray_loses_its_way_and_all_kernels_agree() {
                 assert!(hit.cell == 0 || (0..3).all(near), "{name}: {ray:?}: {hit:?} outside {cell:?}");
             }
         }
+        println!("{name}: {crossed} cells crossed, of {random} random rays {unsure} by all triangles");
         assert!(crossed > 1000, "{name}");
+        assert!(unsure * 20 <= random, "{name}: {unsure} of {random}");
     }
 }
 
@@ -403,22 +378,4 @@ fn damaged_cells_are_refused_or_harmless() {
     }
     println!("{refused} refused, {opened} opened");
     assert!(refused > 200 && opened > 200, "{refused} refused, {opened} opened");
-}
-
-#[test]
-fn one() {
-    let Ok(spec) = std::env::var("ONE") else { return };
-    let v: Vec<f64> = spec.split(',').map(|x| x.trim().parse().unwrap()).collect();
-    let all: Vec<_> = EXACT.iter().chain(&ROUNDED).collect();
-    let made = random_made(&all[v[0] as usize].1, v[1] as u64);
-    let ray = Ray::segment([v[2], v[3], v[4]], [v[5], v[6], v[7]], 0.0, *v.get(8).unwrap_or(&f64::INFINITY));
-    for scene in [&whole(&made), &compiled(&made)] {
-        let a = scene.trace(&ray);
-        println!("{a:?}\n  Judge{:?}", truth(&made).judge(&ray, &a));
-        println!(
-            "  cost {:?} {}",
-            scene.trace_cost_from(Start::Anywhere, &ray, Want::default()).1,
-            scene.occluded(&ray)
-        );
-    }
 }

@@ -48,9 +48,9 @@ pub struct Reading {
     /// Tolerance of answers, metres.
     #[arg(long, value_name = "METRES", default_value_t = 1e-3)]
     pub tolerance: f64,
-    /// Cut the space into convex cells (docs/PARTITION.md). On trial: some rays along surfaces are still answered wrongly.
+    /// Leave the space one cell, instead of cutting it into convex cells (docs/PARTITION.md): as right, smaller.
     #[arg(long)]
-    pub cells: bool,
+    pub no_cells: bool,
 }
 
 /// What `--up` says: an axis of the model, or for `render` what is up in the picture.
@@ -225,7 +225,7 @@ impl Reading {
     pub fn compile_options(&self, resources: &Resources) -> CompileOptions {
         let mut options = CompileOptions::default();
         options.tolerance = self.tolerance;
-        options.cells = self.cells;
+        options.cells = !self.no_cells;
         options.untagged = self.untagged.untagged();
         options.limits = resources.limits();
         options.watch = resources.watch();

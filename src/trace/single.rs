@@ -152,7 +152,7 @@ impl Scene {
         let point = line.origin + line.direction * found.t;
         let (cell, room) = match self.tables.cells[cell as usize] {
             CellRecord { kind: CellRecord::AIR, room, .. } => (cell, room),
-            CellRecord { kind: CellRecord::SOLID, .. } => self.air_at(point, cell),
+            _ if self.tables.cells.len() > 1 => self.air_at(point),
             _ if want.room => (cell, self.room_before(line, found.t)),
             _ => (cell, NONE),
         };
@@ -170,11 +170,12 @@ impl Scene {
         }
     }
 
-    /// The cell of air at a surface that was met in the matter of `cell`, and its room: rounding has hidden it.
+    /// The cell of air at a surface that was not met on a walk through cells, and its room.
     #[cold]
-    fn air_at(&self, point: DVec3, cell: u32) -> (u32, u32) {
+    fn air_at(&self, point: DVec3) -> (u32, u32) {
         let prisms = Prisms::new(&self.tables);
-        let cell = prisms.place(prisms.local(point), self.tolerance()).unwrap_or(cell);
+        let cell = prisms.place(prisms.local(point), self.tolerance()).unwrap_or(0);
+        let cell = if self.tables.cells[cell as usize].kind == CellRecord::AIR { cell } else { 0 };
         (cell, self.tables.cells[cell as usize].room)
     }
 
