@@ -61,14 +61,15 @@ impl Scene {
         self.may_be_in_solid(start.to_array(), 2.0 * aside(start))
     }
 
-    /// Where the ray begins, given the first triangle that it meets.
-    pub(super) fn begin(&self, line: &Line, found: Found, nearest: &mut impl FnMut(&Line) -> Found) -> Begin {
+    /// Where the ray begins; `nearest` tells the first of all triangles that a ray meets.
+    pub(super) fn begin(&self, line: &Line, nearest: &mut impl FnMut(&Line) -> Found) -> Begin {
         let start = line.origin + line.direction * line.tmin;
         let step = aside(start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
         match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
             (None, None, None) => Begin::At(line.tmin),
             (Some(element), Some(_), Some(_)) => {
+                let found = nearest(line);
                 let within = found.triangle != NONE && found.t <= line.tmin + self.tolerance();
                 let air = within.then(|| self.first_air(line, found, nearest)).flatten();
                 air.unwrap_or(Begin::InSolid(element))

@@ -15,7 +15,6 @@
 //! - *A hit is the nearest.* A cell's detail is all triangles that come within a margin of it; a hit counts up to
 //!   where the ray leaves the cell, and [`NEAR`] farther, which the margin covers.
 
-use glam::DVec3;
 use super::NONE;
 use super::kernel::Probe;
 use super::meet::{Surfaces, is_near};
@@ -24,6 +23,7 @@ use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
 use crate::format::records::CellRecord;
+use glam::DVec3;
 
 /// The cell around the prisms.
 const AROUND: u32 = 0;
@@ -54,31 +54,29 @@ pub(super) fn nearest<P: Probe>(
     hint: u32,
     probe: &mut P,
 ) -> Ended {
-    let walk = Walk::new(tables);
-    let query = line.query(tables, surface);
     if tables.cells.len() == 1 {
-        return among_all(tables, line, &walk, query, probe);
+        return among_all(tables, line, surface, probe);
     }
-    let mut ray = Crossing::new(tables, line, walk, query, probe);
-    match ray.run(hint) {
+    match Crossing::new(tables, line, surface, probe).run(hint) {
         Ok(ended) => ended,
         Err(Unsure { in_matter }) => {
             probe.unsure();
-            Ended { in_matter, ..among_all(tables, line, &Walk::new(tables), line.query(tables, surface), probe) }
+            Ended { in_matter, ..among_all(tables, line, surface, probe) }
         }
     }
 }
 
 /// What the ray meets first of all triangles.
-fn among_all<P: Probe>(
+#[inline]
+pub(super) fn among_all<P: Probe>(
     tables: &Views,
     line: &Line,
-    walk: &Walk<'_>,
-    mut query: Query,
+    surface: Option<Surface>,
     probe: &mut P,
 ) -> Ended {
+    let mut query = line.query(tables, surface);
     query.aim(tables.cells[AROUND as usize].root, line.tmax);
-    Ended { found: probe.first(walk, &query), cell: AROUND, in_matter: false }
+    Ended { found: probe.first(&Walk::new(tables), &query), cell: AROUND, in_matter: false }
 }
 
 /// A ray under way.
@@ -95,7 +93,8 @@ struct Crossing<'a, 'p, P> {
 
 impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     #[inline]
-    fn new(tables: &'a Views, line: &Line, walk: Walk<'a>, query: Query, probe: &'p mut P) -> Self {
+    fn new(tables: &'a Views, line: &Line, surface: Option<Surface>, probe: &'p mut P) -> Self {
+        let (walk, query) = (Walk::new(tables), line.query(tables, surface));
         let path = Path::new(Prisms::new(tables), line.origin, line.direction, line.start);
         let surfaces = Surfaces::new(tables);
         let first = line.tmin.max(line.start);

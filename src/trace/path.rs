@@ -302,7 +302,8 @@ impl<'a> Path<'a> {
             None => return None,
         };
         // Whether a ray `BLURRED` aside crosses a plane on the other side of where it leaves the footprint.
-        let is_near = |over: f64, grows: f64| (over + t * grows).abs() < BLURRED * (2.0 + slant * grows.abs());
+        let is_near =
+            |over: f64, grows: f64| (over + t * grows).abs() < BLURRED * (2.0 + slant * grows.abs());
         let mut is_near_edge = by_corner
             || (!self.plan.vertical && (is_near(floor, floor_grows) || is_near(ceiling, ceiling_grows)));
         if down || up {
@@ -317,7 +318,13 @@ impl<'a> Path<'a> {
             };
             is_near_edge |= down && up && (t_down - t_up).abs() * grows.abs() < 4.0 * BLURRED;
             let cover = self.cover(covers, t, BLURRED * (1.0 + self.plan.length / grows.abs()))?;
-            return Some(Exit { t: t + self.start, cell: cover.cell, source: cover.source, through, is_near_edge });
+            return Some(Exit {
+                t: t + self.start,
+                cell: cover.cell,
+                source: cover.source,
+                through,
+                is_near_edge,
+            });
         }
         // Vertical, and its planes say neither up nor down: no prism.
         let index = side?;

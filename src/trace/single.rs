@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::begin::Begin;
-use super::cells::{Ended, nearest};
+use super::cells::{Ended, among_all, nearest};
 use super::cost::Cost;
 use super::kernel::{Kernel, Plain, Probe};
 use super::path::Prisms;
@@ -101,19 +101,20 @@ impl Scene {
         let mut ended = nearest(tables, &line, surface(start, &line), hint, probe);
         ended.found.t = ended.found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
-            let mut again = |line: &Line| nearest(tables, line, None, NONE, probe).found;
-            match self.begin(&line, ended.found, &mut again) {
+            // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
+            let mut again = |line: &Line| among_all(tables, line, None, probe);
+            match self.begin(&line, &mut |line| again(line).found) {
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
-                    ended = nearest(tables, &line, None, NONE, probe);
+                    ended = again(&line);
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
                     let aside = Line { origin: line.origin + way, ..line };
-                    ended = nearest(tables, &aside, None, NONE, probe);
+                    ended = again(&aside);
                     // Back from the other ray's origin to this one's.
                     ended.found.t = (ended.found.t + way.dot(line.direction)).max(line.tmin);
                 }
