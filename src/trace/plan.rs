@@ -31,11 +31,9 @@ pub(super) struct PlanLine {
     pub(super) vertical: bool,
 }
 
-/// Where a line crosses a footprint: parameters along the ray (for vertical rays: along x), and the side through which
-/// it leaves.
+/// Where a line leaves a footprint: the parameter along the ray (for vertical rays: along x), and the side through which.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    pub(super) enter: f64,
     pub(super) leave: f64,
     pub(super) side: usize,
     /// The least side of all corners, in size: how near the line passes a vertical edge, times [`PlanLine::length`].
@@ -85,24 +83,23 @@ impl PlanLine {
     pub(super) fn span(&self, sides: &[SideRecord]) -> Option<Span> {
         let mut before = *sides.last()?;
         let mut from = self.side(before.start);
-        let (mut enter, mut leave) = (None, None);
+        let mut leave = None;
         let mut nearest = f64::INFINITY;
         for (i, here) in sides.iter().enumerate() {
             let to = self.side(here.start);
             nearest = nearest.min(to.abs());
             if (from < 0.0) != (to < 0.0) {
-                let t = self.crossing(before.start, here.start, from, to);
+                // From its right to its left: the line leaves.
                 if from < 0.0 {
+                    let t = self.crossing(before.start, here.start, from, to);
                     leave = Some((t, i, slant(before.start, here.start, from - to)));
-                } else {
-                    enter = Some(t);
                 }
             }
             (before, from) = (*here, to);
         }
         let (leave, next, slant) = leave?;
         let side = (next + sides.len() - 1) % sides.len();
-        Some(Span { enter: enter?, leave, side, nearest, slant })
+        Some(Span { leave, side, nearest, slant })
     }
 
     /// Where the line crosses the edge between two vertices, of which just one is on its right. Never beyond the edge's
@@ -154,6 +151,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Where the line enters a footprint that it crosses, and through which side.
+    fn entry(line: &PlanLine, sides: &[SideRecord]) -> (f64, usize) {
+        let side = |i: usize| line.side(sides[i % sides.len()].start);
+        let i = (0..sides.len()).find(|&i| side(i) >= 0.0 && side(i + 1) < 0.0).unwrap();
+        (line.crossing(sides[i].start, sides[(i + 1) % sides.len()].start, side(i), side(i + 1)), i)
+    }
+
     fn footprint(points: &[[f32; 2]]) -> Vec<SideRecord> {
         points.iter().map(|&start| SideRecord { start, first_face: 0, faces: 1 }).collect()
     }
@@ -164,8 +168,10 @@ mod tests {
         let line = |x: f64, y: f64, dx: f64, dy: f64| {
             PlanLine::new(DVec3::new(x, y, 0.0), DVec3::new(dx, dy, 0.0).normalize(), 256.0)
         };
-        let span = line(-1.0, 0.25, 1.0, 0.0).span(&square).unwrap();
-        assert_eq!((span.enter, span.leave, span.side), (1.0, 2.0, 1));
+        let through = line(-1.0, 0.25, 1.0, 0.0);
+        let span = through.span(&square).unwrap();
+        assert_eq!((span.leave, span.side), (2.0, 1));
+        assert_eq!(entry(&through, &square), (1.0, 3));
         // Along its lower edge the line counts as running on the right of it: outside. Along the upper edge: inside.
         assert!(line(-1.0, 0.0, 1.0, 0.0).span(&square).is_none());
         assert!(line(-1.0, 1.0, 1.0, 0.0).span(&square).is_some());
@@ -222,16 +228,14 @@ mod tests {
                 // Sides: from the middle to corner i, along the ring, and back.
                 let sides = footprint(&[middle, ring[i], ring[(i + 1) % 4]]);
                 let Some(span) = line.span(&sides) else { continue };
-                length += span.leave - span.enter;
+                let (enter, side) = entry(&line, &sides);
+                length += span.leave - enter;
                 match span.side {
                     0 => left[i] += 1,
                     1 => outer += 1,
                     _ => left[(i + 1) % 4] += 1,
                 }
-                let enters = (0..3).find(|&k| {
-                    line.side(sides[k].start) >= 0.0 && line.side(sides[(k + 1) % 3].start) < 0.0
-                });
-                match enters.unwrap() {
+                match side {
                     0 => entered[i] += 1,
                     1 => outer += 1,
                     _ => entered[(i + 1) % 4] += 1,
@@ -239,7 +243,7 @@ mod tests {
             }
             prop_assert_eq!(entered, left);
             prop_assert_eq!(outer, if whole.is_some() { 2 } else { 0 });
-            let expected = whole.map_or(0.0, |span| span.leave - span.enter);
+            let expected = whole.map_or(0.0, |span| span.leave - entry(&line, &footprint(&ring)).0);
             prop_assert!((length - expected).abs() < 1e-9, "{} {}", length, expected);
         }
 
