@@ -7,10 +7,10 @@ use common::enf;
 use common::prisms::{Made, Style, make};
 use enfilade::importers::Untagged;
 use enfilade::lattice::{Plane, Point};
-use enfilade::oracle::{RayKind, RaySource, TrueAnswer, Truth, TruthOptions};
+use enfilade::oracle::{RayKind, RaySource, Truth, TruthOptions};
 use enfilade::partition::cells::{NONE, Partition};
 use enfilade::roles::roles;
-use enfilade::verify::{Case, Said, VerifyReport};
+use enfilade::verify::VerifyReport;
 use enfilade::{
     Answer, CompileError, CompileOptions, Hit, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want,
     compile, compile_partition, verify,
