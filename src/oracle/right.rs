@@ -25,8 +25,9 @@
 //! A right answer other than an exact one is only ever granted with a witness that was traced, so no wrong answer is
 //! called right. The search finds a witness beside every edge, and around every corner and crossing of edges, as
 //! seen along the ray: one for each set of parallel rays that meet the same surfaces in the same order, down to sets
-//! narrower than some picometres. Triangles that are seen narrower than that, at which no ray of f64 can be aimed, are also
-//! met by rays that pass them as near, anywhere between their nearest and farthest point there. Of hundreds of edges within the tolerance of one ray it tries the nearest 64.
+//! narrower than some picometres. What of a triangle lies that near to a ray, which no ray of f64 can be aimed at, is met
+//! by that ray too: be it the whole depth of a triangle that is seen from the side. Of hundreds of edges within the
+//! tolerance of one ray it tries the nearest 64.
 
 use super::soup::first_t;
 use super::witness::{Search, Sought, inside_near};

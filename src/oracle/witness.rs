@@ -290,9 +290,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the ray passes a triangle of `element` that it sees narrower than rays can be aimed, as near as that, at
-    /// about `t` and not after `before`; and how far along the ray that is off. It stands for the rays that meet the
-    /// triangle there.
+    /// Whether the ray passes a triangle of `element` nearer than rays can be aimed, at about `t` and not after `before`;
+    /// and how far along the ray that is off. It stands for the rays that meet the triangle there.
     fn sliver(&self, ray: &Ray, t: f64, element: ElementId, before: f64) -> Option<f64> {
         let tolerance = self.truth.tolerance;
         let line = Line::new(ray)?;
@@ -301,17 +300,20 @@ impl<'a> Search<'a> {
         let met = near.filter(|&index| soup.element(index) == element).filter_map(|index| {
             let corners = soup.corners[index as usize].map(|corner| sub(corner, ray.origin));
             let [nearest, farthest] = self.narrow(&corners, line.direction)?;
-            let off = (nearest - t).max(t - farthest).max(0.0);
-            (nearest <= before && off <= tolerance).then_some(off)
+            let at = t.clamp(nearest, farthest);
+            let off = (at - t).abs();
+            (at <= before && off <= tolerance).then_some(off)
         });
         met.min_by(f64::total_cmp)
     }
 
-    /// From where to where along the ray a triangle reaches, its corners relative to the origin, that the ray sees
-    /// narrower than rays can be aimed, and passes as near as that.
+    /// From where to where along the ray a triangle reaches, its corners relative to the origin, as far as the ray passes it
+    /// nearer than rays can be aimed: further than that only if the ray sees it from the side.
     fn narrow(&self, corners: &Corners, direction: [f64; 3]) -> Option<[f64; 2]> {
         /// A side at less of an angle to the ray, in radians, is along it.
         const ALONG_IT: f64 = 1e-3;
+        /// A depth of less than this, in metres, is told by rays that can be aimed.
+        const STEEP: f64 = 1e-6;
         let narrow = 4.0 * self.step;
         let flat = corners.map(|corner| self.project(corner));
         let way = |from: usize, to: usize| [flat[to][0] - flat[from][0], flat[to][1] - flat[from][1]];
@@ -336,7 +338,12 @@ impl<'a> Search<'a> {
         let (share_of_third, width) = place(way(from, third));
         let (share, off) = place([-flat[from][0], -flat[from][1]]);
         let beyond = (share - share.clamp(0.0, 1.0)).abs() * length_flat;
-        if width.abs() > narrow || off.abs() > narrow || beyond > narrow {
+        if width.abs() > narrow {
+            let near =
+                clipped(&corners.map(|corner| (self.project(corner), dot(corner, direction))), narrow)?;
+            return (near[1] - near[0] > STEEP).then_some(near);
+        }
+        if off.abs() > narrow || beyond > narrow {
             return None;
         }
         let size = length(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
@@ -395,5 +402,48 @@ impl<'a> Search<'a> {
         let near = self.truth.hits_between(ray, begin, (begin + skin).min(ray.tmax));
         let met = near.into_iter().find(|hit| left.iter().all(|solid| solid.0 != hit.element));
         Some(met.or_else(|| self.truth.nearest(&Ray { tmin: begin + skin, ..*ray })))
+    }
+}
+
+/// The least and largest depth of a triangle, of which each corner is given as seen along the ray and with its depth,
+/// within the square of this half-width around the ray.
+fn clipped(corners: &[(Point, f64)], half: f64) -> Option<[f64; 2]> {
+    let mut polygon = corners.to_vec();
+    for axis in 0..2 {
+        for sign in [-1.0, 1.0] {
+            let inside = |p: &(Point, f64)| half - sign * p.0[axis];
+            let mut kept = Vec::with_capacity(polygon.len() + 1);
+            for (i, a) in polygon.iter().enumerate() {
+                let b = &polygon[(i + 1) % polygon.len()];
+                let (from, to) = (inside(a), inside(b));
+                if from >= 0.0 {
+                    kept.push(*a);
+                }
+                if (from >= 0.0) != (to >= 0.0) {
+                    let share = from / (from - to);
+                    let mix = |x: f64, y: f64| x + share * (y - x);
+                    kept.push(([mix(a.0[0], b.0[0]), mix(a.0[1], b.0[1])], mix(a.1, b.1)));
+                }
+            }
+            polygon = kept;
+        }
+    }
+    let range = |[low, high]: [f64; 2], p: &(Point, f64)| [low.min(p.1), high.max(p.1)];
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    (!polygon.is_empty()).then(|| polygon.iter().fold(none, range))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_near_the_ray() {
+        let steep = [([-1.0, -1.0], 0.0), ([1.0, -1.0], 10.0), ([0.0, 1.0], 5.0)];
+        let [low, high] = clipped(&steep, 0.1).unwrap();
+        assert!((low - 4.5).abs() < 1e-12 && (high - 5.5).abs() < 1e-12, "{low} {high}");
+        assert_eq!(clipped(&steep.map(|(p, depth)| ([p[0] + 3.0, p[1]], depth)), 0.1), None);
+        // All of it.
+        assert_eq!(clipped(&steep, 2.0), Some([0.0, 10.0]));
     }
 }
