@@ -3,6 +3,7 @@
 #![cfg(all(feature = "obj", feature = "compile"))]
 
 use enfilade::importers::{ImportOptions, Model, Untagged, obj};
+use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::roles::roles;
 use enfilade::{CompileOptions, Hit, Place, Ray, VerifyOptions, VerifyReport, compile, verify};
 use enfilade_testing::Random;
@@ -162,4 +163,18 @@ fn slivers_narrower_than_any_ray_can_tell() {
     // One of two faces, far from the origin.
     let far = "v 302 101 1\nv 303 103 1\nv 301.6666666666667 100.33333333333333 1\nv 305 101 4\n";
     check(&read(&format!("{far}f 1 2 3\nf 1 4 2\n")), 3000);
+}
+
+/// A ray along an edge of triangles that it sees from the side: by less than a ray can be aimed it meets one of them, which
+/// runs along with it for two kilometres, anywhere.
+#[test]
+fn triangles_that_run_along_with_a_ray() {
+    let text = "v 1 2 7 0 0 0\nv 0 02222 3\nv 1 2 1\nv 1 1 2\nv 5 1 1\no W\nf 1 4 3 2\nf 1 2 6\nv 1 1 1\nv 0 1 1\nv 1 2 1\nv 1 1 2\nv 5 1 1\no W\nf 1 4 2 3 7 6\nf 3 4 8 7\n";
+    let model = read(text);
+    let compiled = compile(&model, &CompileOptions::default()).unwrap();
+    let roles = roles(&model, Untagged::default());
+    let truth = Truth::new(&model, |element| roles[element.0 as usize], &TruthOptions::default());
+    let ray = Ray::new([0.9999999993355574, 2.999999978770476, -3331.9999999982224], [-1.0, -1.0, 2221.0]);
+    let judged = truth.judge(&ray, &compiled.scene().trace(&ray));
+    assert!(judged.verdict.is_right(), "{judged:?}");
 }
