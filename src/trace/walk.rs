@@ -109,8 +109,8 @@ pub(super) struct Query {
     shear: [f64; 3],
     pub(super) surface: Option<Surface>,
     root: u32,
-    /// Bounds the origin's coordinates, metres.
-    reach: f64,
+    /// A triangle that the ray passes no farther than this, metres, is met: the same for all that it comes to.
+    near: f64,
     /// Edge functions of triangles in the hull that are farther from zero than this have the right sign.
     unsure: f64,
 }
@@ -135,7 +135,7 @@ impl Query {
         // A sheared corner is at most twice as far across as this, and less than twice as deep.
         let [lo, hi] = scene.hull.map(|corner| DVec3::from(corner).abs());
         let farthest = reach + lo.max(hi).max_element();
-        let unsure = ROUNDING * (3.0 * farthest) * (12.0 * farthest);
+        let (near, unsure) = (ROUNDING * farthest, ROUNDING * (3.0 * farthest) * (12.0 * farthest));
         let d = direction.to_array();
         let size = each(d, f64::abs);
         let along = if size[0] > size[1] && size[0] > size[2] {
@@ -161,7 +161,7 @@ impl Query {
             shear,
             surface,
             root,
-            reach,
+            near,
             unsure,
         }
     }
@@ -226,8 +226,9 @@ impl Query {
 
     /// Where the ray meets a triangle that it passes near an edge of, by its edge functions.
     ///
-    /// - It also meets it a little beside it, as far as roundings tell. So it cannot slip through where a triangle is left
-    ///   out, between those on either side of that.
+    /// - It also meets it where it passes it as near as roundings tell, seen along the ray. So it cannot slip through where
+    ///   a triangle is left out, between those on either side of that. How near is the same for all triangles: what it meets
+    ///   is what a parallel ray meets that is no farther away, for that one would not pass what this one does.
     /// - Left out are triangles that it sees edge-on, as far as roundings tell: any point of them could be met, and those
     ///   around them decide.
     /// - Of a sliver, which is as narrow from all sides, the longest side as the ray sees it tells where.
@@ -239,21 +240,19 @@ impl Query {
         sheared: &[[f64; 3]; 3],
         [u, v, w]: [f64; 3],
     ) -> Option<f64> {
-        let [a, b, c] = sheared;
-        let across = |p: &[f64; 3]| p[0].abs() + p[1].abs();
-        let reach = self.reach + a[2].abs().max(b[2].abs()).max(c[2].abs());
-        let [of_a, of_b, of_c] = [across(a), across(b), across(c)].map(|across| ROUNDING * reach * across);
-        let (mut left, mut right) = (false, false);
-        for (side, rounding) in [(u, of_b + of_c), (v, of_c + of_a), (w, of_a + of_b)] {
-            left |= side > rounding;
-            right |= side < -rounding;
-        }
-        if left && right {
+        let sides = [0, 1, 2].map(|i| Side::new(sheared[i], sheared[(i + 1) % 3]));
+        let is_beside = (u > 0.0 || v > 0.0 || w > 0.0) && (u < 0.0 || v < 0.0 || w < 0.0);
+        // Written so that a NaN is met.
+        if is_beside && sides.iter().all(|side| side.distance() > self.near) {
             return None;
         }
+        let longer =
+            |one: usize, other: usize| if sides[other].square > sides[one].square { other } else { one };
+        let longest = &sides[longer(longer(0, 1), 2)];
         let det = u + v + w;
-        // A quarter: what is left out is narrower than what its neighbours are met beside them, on either side.
-        if det.abs() > 0.25 * (of_a + of_b + of_c) {
+        // Half: what is left out is narrower than what its neighbours are met beside them, on either side.
+        if det.abs() > 0.5 * self.near * longest.square.sqrt() {
+            let [a, b, c] = sheared;
             return Some((u * a[2] + v * b[2] + w * c[2]) / det);
         }
         let [a, b, c] = corners.map(DVec3::from);
@@ -261,15 +260,9 @@ impl Query {
         if normal.dot(self.direction).abs() <= EDGE_ON_SINE * normal.length() {
             return None;
         }
-        let side = |i: usize| {
-            let (p, q) = (sheared[i], sheared[(i + 1) % 3]);
-            let way = [q[0] - p[0], q[1] - p[1]];
-            (p, q, way, way[0] * way[0] + way[1] * way[1])
-        };
-        let longer = |one, other| if side(other).3 > side(one).3 { other } else { one };
-        let (p, q, way, square) = side(longer(longer(0, 1), 2));
-        let share = -(p[0] * way[0] + p[1] * way[1]) / square;
         // What is a point to the ray is at the depth of any of its corners.
+        let share = longest.share();
+        let [p, q] = longest.ends;
         Some(if share.is_finite() { p[2] + share * (q[2] - p[2]) } else { p[2] })
     }
 
@@ -304,6 +297,34 @@ impl Query {
             }
             _ => t >= surface.tmin,
         }
+    }
+}
+
+/// A side of a triangle, sheared so that the ray is the third axis.
+struct Side {
+    ends: [[f64; 3]; 2],
+    /// From its first to its second end, across the ray.
+    way: [f64; 2],
+    /// The square of its length across the ray.
+    square: f64,
+}
+
+impl Side {
+    fn new(p: [f64; 3], q: [f64; 3]) -> Side {
+        let way = [q[0] - p[0], q[1] - p[1]];
+        Side { ends: [p, q], way, square: way[0] * way[0] + way[1] * way[1] }
+    }
+
+    /// Where along it its line is nearest to the ray: 0 at its first end, 1 at its second; NaN if it is a point.
+    fn share(&self) -> f64 {
+        let [p, _] = self.ends;
+        -(p[0] * self.way[0] + p[1] * self.way[1]) / self.square
+    }
+
+    /// How far it passes the ray.
+    fn distance(&self) -> f64 {
+        let ([p, _], share) = (self.ends, self.share().max(0.0).min(1.0));
+        (p[0] + share * self.way[0]).hypot(p[1] + share * self.way[1])
     }
 }
 
@@ -474,9 +495,8 @@ struct Candidates<L> {
     t: L,
 }
 
-/// Bounds the error of an edge function and of the determinant in f64, for each metre of coordinates and of the sheared
-/// corners: those are off by four roundings of the coordinates, and so are the former for each metre of them. That is
-/// 2^-50; this is as narrow as anything is told apart along an edge (1e-11 m at 100 m), so that no answer hangs on less.
+/// As near as anything is told apart, for each metre of coordinates: 1e-11 m at 100 m. The distance of a side from the ray
+/// is off by some roundings of the coordinates, 2^-50 of them, so that hardly any answer hangs on those.
 const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
 
 /// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
