@@ -8,6 +8,7 @@ use enfilade_importers::{Element, Frame, Model, Role, Untagged, UpAxis};
 use serde::Serialize;
 
 use crate::components::{Component, Orientation, components};
+use crate::partition::PartitionReport;
 use crate::roles::{asked_role, component_role};
 
 /// What [`inspect`] found. Places are in the source's own frame and unit.
@@ -40,6 +41,8 @@ pub struct Inspection {
     pub groups: Vec<Group>,
     /// Every element.
     pub elements: Vec<ElementInfo>,
+    /// How space is cut into cells, if that was asked for: [`Inspection::add_partition`].
+    pub partition: Option<PartitionReport>,
     /// What was left out, and why.
     pub left_out: Vec<LeftOutInfo>,
     /// What else a user should know.
@@ -148,6 +151,7 @@ pub fn inspect(model: &Model, untagged: Untagged, rules: Option<&Rules>) -> Insp
             })
             .collect(),
         elements,
+        partition: None,
         left_out: model
             .left_out
             .iter()
@@ -159,6 +163,13 @@ pub fn inspect(model: &Model, untagged: Untagged, rules: Option<&Rules>) -> Insp
             })
             .collect(),
         warnings: warnings(model),
+    }
+}
+
+impl Inspection {
+    /// Adds what [`partition`](crate::partition::partition) says of the model.
+    pub fn add_partition(&mut self, report: &PartitionReport, model: &Model) {
+        self.partition = Some(report.to_source(&model.frame));
     }
 }
 

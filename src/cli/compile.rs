@@ -6,12 +6,11 @@ use std::time::Instant;
 
 use clap::Args;
 use enfilade::compile::Report;
-use enfilade::partition::PartitionReport;
 use serde::Serialize;
 
 use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
-use super::output;
+use super::{output, space};
 
 /// Compile a model to a scene file (.enf).
 #[derive(Args)]
@@ -77,7 +76,7 @@ fn write_text(out: &mut String, timed: &Timed<'_>, path: &str) -> std::fmt::Resu
         writeln!(out, "  {:>10} {}", row.count, row.what)?;
     }
     if let Some(partition) = &r.partition {
-        write_partition(out, partition)?;
+        space::write(out, partition)?;
     }
     for row in &r.left_out {
         writeln!(out, "left out: {} {}", row.count, row.what)?;
@@ -97,30 +96,4 @@ fn write_text(out: &mut String, timed: &Timed<'_>, path: &str) -> std::fmt::Resu
         write!(out, "{}{} {:.3}", if i > 0 { ", " } else { "" }, stage.name, stage.seconds)?;
     }
     writeln!(out, ")")
-}
-
-fn write_partition(out: &mut String, p: &PartitionReport) -> std::fmt::Result {
-    writeln!(
-        out,
-        "{} slabs, {} columns before merging, lattice step {:.1} um, points moved by at most {:.3} mm",
-        p.levels.len() - 1,
-        p.columns,
-        p.lattice_step * 1e6,
-        p.largest_displacement * 1e3
-    )?;
-    for (kind, cells) in &p.cells {
-        let volume = p.volumes.get(kind).copied().unwrap_or_default();
-        writeln!(out, "  {cells:>10} {kind} cells, {volume:.3} m3")?;
-    }
-    if p.slivers_volume > 0.0 {
-        writeln!(out, "{:.4} m3 of thin air joined to {} rooms", p.slivers_volume, p.slivers.len())?;
-    }
-    for (why, count) in &p.not_carved {
-        writeln!(out, "{count} components of solid elements do not carve: {}", why.text())?;
-    }
-    writeln!(
-        out,
-        "{} faces between air and matter, {} without triangles ({:.4} m2); {} triangles of matter in the air are detail",
-        p.surfaces.faces, p.surfaces.false_faces, p.surfaces.false_area, p.audit.detail.triangles
-    )
 }

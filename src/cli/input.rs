@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use clap::{Args, ValueEnum};
 use enfilade::importers::tagging::Rules;
 use enfilade::importers::{ImportOptions, Limits, Model, Untagged, UpAxis, Watch, import};
+use enfilade::partition::PartitionOptions;
 use enfilade::{CompileOptions, Compiled, Scene, compile};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -238,6 +239,13 @@ impl Reading {
     }
 
     /// Compiles a model.
+    pub fn partition_options(&self, resources: &Resources) -> PartitionOptions {
+        PartitionOptions::default()
+            .with_untagged(self.untagged.untagged())
+            .with_limits(resources.limits())
+            .with_watch(resources.watch())
+    }
+
     pub fn compile(&self, model: &Model, resources: &Resources) -> Result<Compiled, Failure> {
         compile(model, &self.compile_options(resources))
             .map_err(|e| Failure::input(format!("{}: {e}", model.source)))

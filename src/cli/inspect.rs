@@ -4,16 +4,20 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use enfilade::importers::{Model, Semantic};
 use enfilade::inspect::{Inspection, inspect};
+use enfilade::partition::cells::{Label, Partition};
+use enfilade::partition::{figure, partition};
 
 use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
-use super::output;
+use super::{output, space};
 
-/// Show what a model holds: elements by class, tag and role, closed or not, extent, what was left out and why.
+/// Show what a model holds: elements by class, tag and role, closed or not, extent, what was left out and why; and what
+/// cells its space is cut into.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade inspect house.glb\n  enfilade inspect house.obj --unit mm --up z --elements\n  enfilade inspect house.glb --json > house.json"
+    after_help = "Examples:\n  enfilade inspect house.glb\n  enfilade inspect house.obj --unit mm --up z --elements\n  enfilade inspect house.glb --json > house.json\n  enfilade inspect house.glb --figure cells.svg --height 1.5"
 )]
 pub struct Arguments {
     /// The model: .glb, .gltf or .obj.
@@ -24,6 +28,13 @@ pub struct Arguments {
     /// Print the whole report as JSON.
     #[arg(long)]
     json: bool,
+    /// Draw the cells that a level plane cuts: matter grey, each room in a colour of its own, void pink.
+    #[arg(long, value_name = "OUT.svg", conflicts_with = "no_cells")]
+    figure: Option<PathBuf>,
+    /// Where that plane lies, along the axis that points up, in the model's own frame and unit. Default: 1.2 m above the
+    /// floor of the lowest room, or the lowest point.
+    #[arg(long, value_name = "HEIGHT", requires = "figure", allow_negative_numbers = true)]
+    height: Option<f64>,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -31,16 +42,51 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let inspection = arguments.resources.in_pool(|| {
+    let (inspection, drawn) = arguments.resources.in_pool(|| {
         let options = arguments.reading.import_options(&arguments.resources)?;
         let model = enfilade::importers::import(&arguments.model, &options).map_err(Failure::input)?;
-        Ok(inspect(&model, options.untagged, options.rules.as_ref()))
+        let mut inspection = inspect(&model, options.untagged, options.rules.as_ref());
+        let mut drawn = None;
+        if !arguments.reading.no_cells {
+            match partition(&model, &arguments.reading.partition_options(&arguments.resources)) {
+                Ok((cells, report)) => {
+                    inspection.add_partition(&report, &model);
+                    drawn = arguments.figure.as_ref().map(|_| draw(&model, &cells, arguments.height));
+                }
+                Err(error) if arguments.figure.is_some() => return Err(Failure::input(error)),
+                Err(error) => inspection.warnings.push(format!("no cells: {error}")),
+            }
+        }
+        Ok((inspection, drawn))
     })??;
+    if let Some(drawn) = &drawn {
+        output::write(arguments.figure.as_deref(), |out| out.write_all(drawn.as_bytes()))?;
+    }
     if arguments.json {
         return output::print_json(&inspection);
     }
     arguments.resources.warn(&inspection.warnings);
     output::print(&text(&inspection, arguments.elements))
+}
+
+/// The cells at `height`, source frame.
+fn draw(model: &Model, cells: &Partition, height: Option<f64>) -> String {
+    let frame = &model.frame;
+    let z = match height {
+        Some(height) => height * frame.unit - frame.offset[2],
+        None => {
+            let rooms = model.elements.iter().filter(|element| element.semantic == Semantic::Room);
+            let floors = rooms.flat_map(|room| room.mesh.positions.iter().map(|p| p[2]));
+            let floor = floors.fold(f64::INFINITY, f64::min);
+            let lowest = model.bounds().map_or(0.0, |[lo, _]| lo[2]);
+            1.2 + if floor.is_finite() { floor } else { lowest }
+        }
+    };
+    figure::svg(cells, z, &|label| match label {
+        Label::Air(element) | Label::Solid(element) => model.elements[element.0 as usize].name.clone(),
+        Label::Exterior => "exterior".to_owned(),
+        Label::Void => "void".to_owned(),
+    })
 }
 
 fn text(i: &Inspection, elements: bool) -> String {
@@ -94,6 +140,10 @@ fn write_text(out: &mut String, i: &Inspection, elements: bool) -> std::fmt::Res
         if open_solids.len() > 20 {
             writeln!(out, "  and {} more (--json lists all)", open_solids.len() - 20)?;
         }
+    }
+    if let Some(partition) = &i.partition {
+        writeln!(out)?;
+        space::write(out, partition)?;
     }
     if !i.left_out.is_empty() {
         writeln!(out, "\nleft out:")?;

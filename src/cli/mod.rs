@@ -9,6 +9,7 @@ mod input;
 mod inspect;
 mod output;
 mod render;
+mod space;
 mod style;
 mod trace;
 mod verify;

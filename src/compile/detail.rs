@@ -4,6 +4,7 @@
 //! prism's planes, moved outward by the margin: it may keep a little too much at sharp corners, never too little.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 
@@ -16,20 +17,29 @@ use crate::trace::to_lattice;
 const CHUNK: usize = 256;
 
 /// The cells of each of the triangles `detail`: pairs of cell and triangle, in ascending order. `margin` is how near a
-/// triangle must be to a prism of air to be its detail, metres.
+/// triangle must be to a prism of air to be its detail, metres. `None` if there are more than `most`.
 pub(super) fn pairs(
     tables: &Tables,
     grid: &CellGrid,
     zone: [[f64; 3]; 2],
     detail: &[u32],
     margin: f64,
-) -> Vec<(u32, u32)> {
+    most: u64,
+) -> Option<Vec<(u32, u32)>> {
+    let count = AtomicU64::new(0);
     let job = |chunk: &[u32]| {
         let mut of =
             Assign { tables, grid, zone, margin, mark: Vec::new(), stamp: 0, scratch: [vec![], vec![]] };
         of.mark.resize(tables.cells.len(), 0);
         let mut pairs = Vec::new();
-        chunk.iter().for_each(|&triangle| of.assign(triangle, &mut pairs));
+        for &triangle in chunk {
+            if count.load(Ordering::Relaxed) > most {
+                break;
+            }
+            let before = pairs.len();
+            of.assign(triangle, &mut pairs);
+            count.fetch_add((pairs.len() - before) as u64, Ordering::Relaxed);
+        }
         pairs
     };
     #[cfg(feature = "rayon")]
@@ -39,9 +49,12 @@ pub(super) fn pairs(
     };
     #[cfg(not(feature = "rayon"))]
     let lists: Vec<Vec<(u32, u32)>> = detail.chunks(CHUNK.max(tables.cells.len() / 16)).map(job).collect();
+    if count.load(Ordering::Relaxed) > most {
+        return None;
+    }
     let mut pairs = lists.concat();
     pairs.sort_unstable();
-    pairs
+    Some(pairs)
 }
 
 /// The pairs of each cell that has any.

@@ -25,6 +25,7 @@ use crate::format::records::{
     TriangleRecord, VolumeRecord,
 };
 use crate::partition::cells::Partition;
+use crate::partition::{PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
 use crate::trace::NONE;
 
@@ -112,18 +113,25 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
     if !options.cells {
         return compile_partition(model, &Partition::whole(), options);
     }
-    match crate::partition::partition(model, options.untagged) {
-        Ok((partition, partitioned)) => {
-            let mut compiled = compile_partition(model, &partition, options)?;
-            compiled.report.add_partition(&partitioned);
-            Ok(compiled)
-        }
-        Err(failed) => {
-            let mut compiled = compile_partition(model, &Partition::whole(), options)?;
-            compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
-            Ok(compiled)
-        }
-    }
+    let how = PartitionOptions::default()
+        .with_untagged(options.untagged)
+        .with_limits(options.limits)
+        .with_watch(options.watch.clone());
+    let failed = match partition(model, &how) {
+        Ok((partition, partitioned)) => match compile_partition(model, &partition, options) {
+            Ok(mut compiled) => {
+                compiled.report.add_partition(&partitioned, &model.frame);
+                return Ok(compiled);
+            }
+            Err(CompileError::OverBudget(over)) => over.to_string(),
+            Err(other) => return Err(other),
+        },
+        Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(failed) => failed.to_string(),
+    };
+    let mut compiled = compile_partition(model, &Partition::whole(), options)?;
+    compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
+    Ok(compiled)
 }
 
 /// Compiles `model`, its space being cut into cells by `partition`. The triangles that rays can meet are those of the
@@ -274,7 +282,16 @@ fn add_detail(
 
     let pairs = match zone {
         None => detail.iter().map(|&t| (0, t)).collect(),
-        Some(zone) => run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance))?,
+        Some(zone) => {
+            let (most, size) = (run.budget.left() / 8, size_of::<(u32, u32)>());
+            run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance, most))?.ok_or_else(
+                || OverBudget {
+                    what: "the detail of all cells".to_owned(),
+                    needs: run.budget.left() + size as u64,
+                    limit: run.options.limits.max_memory,
+                },
+            )?
+        }
     };
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     run.budget.take_items(

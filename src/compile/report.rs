@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Model, Role};
+use enfilade_importers::{Frame, Model, Role};
 use serde::Serialize;
 
 use super::geometry::Gathered;
@@ -10,6 +10,7 @@ use super::{CompileOptions, Counted};
 use crate::format::Tables;
 use crate::format::records::Traits;
 use crate::partition::PartitionReport;
+pub use crate::partition::Repair;
 
 /// Report of a compilation, the same as `enfilade compile --json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -55,7 +56,7 @@ pub struct Report {
     pub repairs: Vec<Repair>,
     /// Longest chain of nodes in the hierarchy of boxes.
     pub hierarchy_depth: u32,
-    /// How the space was cut into cells; `None` if it is one cell.
+    /// How the space was cut into cells, places in the source's own frame; `None` if it is one cell.
     pub partition: Option<PartitionReport>,
     /// What the user should know.
     pub warnings: Vec<String>,
@@ -87,17 +88,6 @@ pub struct RoleCount {
     pub triangles: u64,
 }
 
-/// A kind of repair.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Repair {
-    /// What was done.
-    pub what: &'static str,
-    /// How often.
-    pub count: u64,
-    /// The farthest that anything was moved by it, metres.
-    pub largest_displacement: f64,
-}
-
 /// Time of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stage {
@@ -109,15 +99,11 @@ pub struct Stage {
 
 impl Report {
     /// Adds what cutting the space into cells has done.
-    pub(super) fn add_partition(&mut self, partition: &PartitionReport) {
+    pub(super) fn add_partition(&mut self, partition: &PartitionReport, frame: &Frame) {
         let stages = partition.stages.iter().map(|&(name, seconds)| Stage { name, seconds });
         self.stages.splice(0..0, stages);
-        self.repairs.push(Repair {
-            what: "points moved in the plan by rounding and straightening",
-            count: partition.columns,
-            largest_displacement: partition.largest_displacement,
-        });
-        self.partition = Some(partition.clone());
+        self.repairs.extend(partition.repairs.iter().cloned());
+        self.partition = Some(partition.to_source(frame));
     }
 
     /// What the file itself says about how it was made: no time, path, thread count or machine.

@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::ElementId;
+use enfilade_importers::{ElementId, Watch};
 use glam::DVec3;
 
 use super::boxes::BoxTree;
@@ -71,7 +71,7 @@ impl Tally {
 }
 
 /// What [`audit`] found.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct AuditReport {
     /// All triangles.
     pub triangles: u32,
@@ -83,8 +83,13 @@ pub struct AuditReport {
     pub detail: Tally,
     /// The same by reason.
     pub reasons: BTreeMap<Exposure, Tally>,
-    /// The same by element.
+    /// The same by element, as index in reports.
+    #[serde(serialize_with = "by_index")]
     pub elements: BTreeMap<ElementId, Tally>,
+}
+
+fn by_index<S: serde::Serializer>(of: &BTreeMap<ElementId, Tally>, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(of.iter().map(|(element, tally)| (element.0, tally)))
 }
 
 /// So many triangles are handed to a thread at once.
@@ -97,10 +102,18 @@ const MOST: f64 = 0.99;
 /// Adds to [`Partition::detail`], which stays in order and without doubles, all triangles that are neither on the surface
 /// of a solid cell nor inside of one.
 ///
-/// The result does not depend on the number of threads.
-pub fn audit(partition: &mut Partition, matter: &[MatterTriangle], options: &AuditOptions) -> AuditReport {
+/// The result does not depend on the number of threads. If the caller cancels, it ends early.
+pub fn audit(
+    partition: &mut Partition,
+    matter: &[MatterTriangle],
+    options: &AuditOptions,
+    watch: &Watch,
+) -> AuditReport {
     let auditor = Auditor::new(partition, options);
     let chunks = parallel::map(matter.len().div_ceil(CHUNK), |chunk| {
+        if watch.is_cancelled() {
+            return Checked::default();
+        }
         auditor.check(&matter[chunk * CHUNK..matter.len().min((chunk + 1) * CHUNK)])
     });
     let step = partition.lattice.step();

@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 
+use super::account::{Account, Full, Meter};
 use super::plan::{NONE, Plan};
 use super::slabs::SlabFace;
 use crate::lattice::{FINE_BITS, Plane};
@@ -85,13 +86,23 @@ impl Columns {
 }
 
 /// Builds the columns.
-pub(super) fn build(input: &Input<'_>) -> Columns {
-    let covers = flood(input);
+///
+/// # Errors
+/// If they take more memory than `account` has.
+pub(super) fn build(input: &Input<'_>, account: &Account) -> Result<Columns, Full> {
+    let covers = flood(input, account)?;
     let mut builder = Builder::new(input);
+    // With what later stages make of each.
+    let (mut intervals, mut sets) = (Meter::new(account, 128), Meter::new(account, 8));
+    let mut in_sets = 0;
     for t in 0..input.plan.triangles.len() {
+        let before = builder.columns.sets.len();
         builder.column(t as u32, &covers.faces[covers.ranges[t].0 as usize..covers.ranges[t].1 as usize]);
+        in_sets += builder.columns.sets[before..].iter().map(|set| set.len() + 8).sum::<usize>();
+        intervals.reach(builder.columns.intervals.len())?;
+        sets.reach(in_sets)?;
     }
-    builder.columns
+    Ok(builder.columns)
 }
 
 /// Which faces lie over each triangle, and how often.
@@ -100,13 +111,14 @@ struct Covers {
     faces: Vec<(u32, i32)>,
 }
 
-fn flood(input: &Input<'_>) -> Covers {
+fn flood(input: &Input<'_>, account: &Account) -> Result<Covers, Full> {
     let plan = input.plan;
     let mut covers = Covers { ranges: vec![(NONE, NONE); plan.triangles.len()], faces: Vec::new() };
     // No body reaches the hull: over a triangle at its side lies nothing.
-    let Some(first) = plan.across.iter().position(|across| across.contains(&NONE)) else { return covers };
+    let Some(first) = plan.across.iter().position(|across| across.contains(&NONE)) else { return Ok(covers) };
     covers.ranges[first] = (0, 0);
     let mut waiting = vec![first as u32];
+    let mut meter = Meter::new(account, size_of::<(u32, i32)>());
     let mut state: Vec<(u32, i32)> = Vec::new();
     while let Some(t) = waiting.pop() {
         for i in 0..3 {
@@ -138,13 +150,16 @@ fn flood(input: &Input<'_>) -> Covers {
                     }
                 }
                 let start = covers.faces.len() as u32;
+                meter.reach(covers.faces.len() + state.len())?;
+                // An index counts no more.
+                u32::try_from(covers.faces.len() + state.len()).map_err(|_| Full)?;
                 covers.faces.extend_from_slice(&state);
                 covers.ranges[other as usize] = (start, covers.faces.len() as u32);
             }
             waiting.push(other);
         }
     }
-    covers
+    Ok(covers)
 }
 
 struct Builder<'a> {

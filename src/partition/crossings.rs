@@ -1,5 +1,6 @@
 //! Lines in the plan over which two faces pass through each other, at least one of them sloped.
 
+use super::account::{Account, Full, Meter};
 use super::slabs::Slab;
 use crate::lattice::{Plane, Point};
 
@@ -7,7 +8,14 @@ use crate::lattice::{Plane, Point};
 const BUCKETS: usize = 64;
 
 /// The segments over which pieces of the slab's faces cross, rounded.
-pub(super) fn crossings(slab: &Slab, hull: [[i32; 3]; 2]) -> Vec<[Point; 2]> {
+///
+/// # Errors
+/// If they take more memory than `account` has.
+pub(super) fn crossings(
+    slab: &Slab,
+    hull: [[i32; 3]; 2],
+    account: &Account,
+) -> Result<Vec<[Point; 2]>, Full> {
     let is_sloped = |piece: &(u32, Vec<Point>)| !slab.faces[piece.0 as usize].plane.is_level();
     let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); BUCKETS * BUCKETS];
     let grid = Buckets::over(hull);
@@ -17,6 +25,7 @@ pub(super) fn crossings(slab: &Slab, hull: [[i32; 3]; 2]) -> Vec<[Point; 2]> {
         grid.each(boxes[i], |bucket| buckets[bucket].push(i as u32));
     }
     let mut found = Vec::new();
+    let mut meter = Meter::new(account, size_of::<[Point; 2]>());
     for (i, piece) in slab.pieces.iter().enumerate() {
         let plane = slab.faces[piece.0 as usize].plane;
         grid.each(boxes[i], |bucket| {
@@ -33,10 +42,11 @@ pub(super) fn crossings(slab: &Slab, hull: [[i32; 3]; 2]) -> Vec<[Point; 2]> {
                 found.extend(cross(&piece.1, plane, &other.1, other_plane));
             }
         });
+        meter.reach(found.len())?;
     }
     found.sort_unstable();
     found.dedup();
-    found
+    Ok(found)
 }
 
 fn bounds(polygon: &[Point]) -> [Point; 2] {

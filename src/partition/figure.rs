@@ -22,7 +22,7 @@ pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> Str
     let _ = writeln!(
         svg,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.3} {height:.3}\" width=\"{:.0}\">",
-        (width * 24.0).clamp(320.0, 1600.0)
+        (width * 40.0).clamp(480.0, 1600.0)
     );
     let _ = writeln!(svg, "<g stroke=\"#555\" stroke-width=\"0.015\" stroke-linejoin=\"round\">");
     let level = lattice.steps(z - lattice.origin[2]);
@@ -69,7 +69,7 @@ fn fill(label: Label) -> String {
         Label::Air(element) => {
             // Hues as far apart as the golden angle puts them.
             let hue = (f64::from(element.0) * 137.508) % 360.0;
-            format!("hsl({hue:.0} 60% 82%)")
+            format!("hsl({hue:.0}, 60%, 82%)")
         }
     }
 }

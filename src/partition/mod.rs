@@ -5,6 +5,7 @@
 //! triangle of the plan the faces stand in order of height: a *column* with a stack of intervals; columns merge into
 //! *cells*: prisms with a convex footprint, one floor plane and one ceiling plane.
 
+mod account;
 mod assemble;
 pub mod audit;
 mod bodies;
@@ -19,6 +20,7 @@ pub mod figure;
 mod halfspaces;
 mod labels;
 pub mod matter;
+mod moved;
 mod overlap;
 mod plan;
 mod regions;
@@ -36,8 +38,9 @@ mod unkink;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use enfilade_importers::{ElementId, Model, Untagged};
+use enfilade_importers::{Cancelled, ElementId, Limits, Model, Untagged, Watch};
 
+use account::{Account, Full};
 use assemble::Built;
 use audit::AuditOptions;
 use bodies::{Bodies, Body};
@@ -46,11 +49,13 @@ use columns::{Columns, Toggles};
 use faces::Triangle;
 use labels::Labels;
 use matter::MatterTriangle;
+use moved::Moved;
 use plan::Plan;
 use stacks::Joined;
 use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
+pub use moved::Repair;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 
 /// The partition could not be made; the model is to be compiled as one cell.
@@ -67,6 +72,44 @@ pub enum PartitionError {
         /// What went wrong.
         why: String,
     },
+    /// More memory would be needed than allowed.
+    #[error("cells would need more memory than the limit of {0} bytes (raise --max-memory)")]
+    TooLarge(u64),
+    /// Cancelled through its token.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// How to cut.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct PartitionOptions {
+    /// What to make of elements without a tag.
+    pub untagged: Untagged,
+    /// What it may cost, beside the model itself.
+    pub limits: Limits,
+    /// Progress and cancellation.
+    pub watch: Watch,
+}
+
+impl PartitionOptions {
+    /// The default, but for what is made of elements without a tag.
+    pub fn with_untagged(mut self, untagged: Untagged) -> PartitionOptions {
+        self.untagged = untagged;
+        self
+    }
+
+    /// The default, but for what it may cost.
+    pub fn with_limits(mut self, limits: Limits) -> PartitionOptions {
+        self.limits = limits;
+        self
+    }
+
+    /// The default, but watched.
+    pub fn with_watch(mut self, watch: Watch) -> PartitionOptions {
+        self.watch = watch;
+        self
+    }
 }
 
 /// The hull is larger than the bodies by this on all sides, metres.
@@ -76,19 +119,31 @@ const MARGIN: f64 = 1.0;
 ///
 /// # Errors
 /// [`PartitionError`].
-pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, PartitionReport), PartitionError> {
+pub fn partition(
+    model: &Model,
+    options: &PartitionOptions,
+) -> Result<(Partition, PartitionReport), PartitionError> {
+    let (untagged, watch) = (options.untagged, &options.watch);
+    let account = Account::new(options.limits.max_memory);
     let mut report = PartitionReport::default();
     let mut clock = Instant::now();
-    let mut lap = |report: &mut PartitionReport, name| {
+    let mut lap = |report: &mut PartitionReport, name| -> Result<(), PartitionError> {
         report.stages.push((name, clock.elapsed().as_secs_f64()));
+        watch.report(name, 1.0);
         clock = Instant::now();
+        if account.is_full() {
+            Err(PartitionError::TooLarge(options.limits.max_memory))
+        } else {
+            Ok(watch.check()?)
+        }
     };
     let mut bodies = bodies::gather(model, untagged);
-    lap(&mut report, "bodies");
+    lap(&mut report, "bodies")?;
     let triangles = faces::lay(&mut bodies);
     let hull = hull(&bodies);
     let levels = slabs::choose_levels(&triangles, hull, &bodies.lattice);
-    lap(&mut report, "faces");
+    report.repairs = moved::of_faces(&bodies, &triangles);
+    lap(&mut report, "faces")?;
     let lattice = bodies.lattice;
     report.levels = levels.iter().map(|&z| lattice.height(f64::from(z))).collect();
     for (element, why) in &bodies.not_carved {
@@ -98,24 +153,32 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
     report.carved = bodies.bodies.iter().filter(|body| body.is_solid).count() as u64;
 
     let ranges: Vec<[i32; 2]> = levels.windows(2).map(|w| [w[0], w[1]]).collect();
-    let fail = |levels: [i32; 2], why: String| {
-        let [low, high] = levels.map(|z| lattice.height(f64::from(z)));
-        PartitionError::Slab { low, high, why }
+    let fail = |levels: [i32; 2], why: Failed| match why {
+        Failed::Full => PartitionError::TooLarge(options.limits.max_memory),
+        Failed::Because(why) => {
+            let [low, high] = levels.map(|z| lattice.height(f64::from(z)));
+            PartitionError::Slab { low, high, why }
+        }
     };
-    let raw =
-        each(ranges, |levels| raw_slab(&bodies, &triangles, levels, hull).map_err(|why| fail(levels, why)))?;
-    lap(&mut report, "columns");
+    let raw = each(ranges, |levels| {
+        watch.check()?;
+        raw_slab(&bodies, &triangles, levels, hull, &account).map_err(|why| fail(levels, why))
+    })?;
+    lap(&mut report, "columns")?;
     let seen: Vec<(&Plan, &Columns)> = raw.iter().map(|r| (&r.plan, &r.columns)).collect();
     let labels = Labels::new(model, &bodies.bodies, &seen);
     report.columns = raw.iter().map(|r| r.plan.triangles.len() as u64).sum();
-    report.largest_displacement = raw.iter().map(|r| r.displacement).fold(0.0, f64::max) * lattice.step();
+    let (mut rounded, mut straightened, mut unkinked) =
+        (Moved::default(), Moved::default(), Moved::default());
+    raw.iter().for_each(|r| rounded.join(r.rounded));
     let is_room = labels.rooms();
-    lap(&mut report, "labels");
+    lap(&mut report, "labels")?;
     let built = each(raw, |raw| {
         let levels = raw.levels;
-        merge_slab(raw, &labels, &is_room, &lattice).map_err(|why| fail(levels, why))
+        watch.check()?;
+        merge_slab(raw, &labels, &is_room, &lattice).map_err(|why| fail(levels, Failed::Because(why)))
     })?;
-    lap(&mut report, "merging");
+    lap(&mut report, "merging")?;
     let mut slabs = Vec::with_capacity(built.len());
     let mut slivers: BTreeMap<ElementId, f64> = BTreeMap::new();
     for merged in built {
@@ -123,8 +186,8 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
             let kind = fill.map_or("unlabelled", |label| kind(label, model));
             *report.pieces.entry(kind).or_default() += count;
         }
-        report.largest_displacement =
-            report.largest_displacement.max(merged.slab.simple.displacement * lattice.step());
+        straightened.join(merged.slab.simple.straightened);
+        unkinked.join(merged.unkinked);
         for (label, joined) in merged.joined {
             if let cells::Label::Air(element) = label {
                 *slivers.entry(element).or_default() += joined.volume * lattice.step().powi(3);
@@ -132,17 +195,25 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
         }
         slabs.push(merged.slab);
     }
+    report.largest_displacement =
+        rounded.farthest.max(straightened.farthest + unkinked.farthest) * lattice.step();
+    report.repairs.extend([
+        rounded.repair("edges led around points, where crossings were rounded", &lattice),
+        straightened.repair("points left out of edges that are nearly straight", &lattice),
+        unkinked.repair("points moved so that air is convex", &lattice),
+    ]);
     report.slivers_volume = slivers.values().sum();
     let path = |element: ElementId| model.elements[element.0 as usize].path.clone();
     report.slivers = slivers.into_iter().map(|(element, volume)| (path(element), volume)).collect();
     let mut partition = assemble::assemble(lattice, hull, &slabs, std::mem::take(&mut bodies.detail));
-    lap(&mut report, "assembly");
+    lap(&mut report, "assembly")?;
     let matter = matter(&bodies);
-    report.surfaces = surfaces::attach(&mut partition, &matter, &SurfaceOptions::default());
-    lap(&mut report, "surfaces");
-    report.audit = audit::audit(&mut partition, &matter, &AuditOptions::default());
-    lap(&mut report, "audit");
+    report.surfaces = surfaces::attach(&mut partition, &matter, &SurfaceOptions::default(), &account, watch);
+    lap(&mut report, "surfaces")?;
+    report.audit = audit::audit(&mut partition, &matter, &AuditOptions::default(), watch);
+    lap(&mut report, "audit")?;
     report.read(&partition, model);
+    report.share(&partition, model, untagged);
     Ok((partition, report))
 }
 
@@ -189,7 +260,21 @@ struct Raw {
     levels: [i32; 2],
     plan: Plan,
     columns: Columns,
-    displacement: f64,
+    rounded: Moved,
+}
+
+/// Why there are no columns.
+enum Failed {
+    /// They take more memory than there is.
+    Full,
+    /// Something else.
+    Because(String),
+}
+
+impl From<Full> for Failed {
+    fn from(_: Full) -> Failed {
+        Failed::Full
+    }
 }
 
 fn raw_slab(
@@ -197,10 +282,14 @@ fn raw_slab(
     triangles: &[Triangle],
     levels: [i32; 2],
     hull: [[i32; 3]; 2],
-) -> Result<Raw, String> {
+    account: &Account,
+) -> Result<Raw, Failed> {
     let mut slab = slabs::cut(triangles, levels, hull);
-    slab.segments.extend(crossings::crossings(&slab, hull));
-    let snapped = snap::snap(&slab.segments).map_err(|e| e.to_string())?;
+    account.take(slab.segments.len() + slab.chains.len() + slab.pieces.len(), 64)?;
+    slab.segments.extend(crossings::crossings(&slab, hull, account)?);
+    let snapped = snap::snap(&slab.segments).map_err(|e| Failed::Because(e.to_string()))?;
+    // The plan, its triangles (twice as many as points) and what merging makes of them.
+    account.take(snapped.vertices.len() + snapped.links.len(), 512)?;
     let mut toggles = Vec::with_capacity(slab.chains.len() * 2);
     for &(segment, face, times) in &slab.chains {
         for step in snapped.way(segment as usize) {
@@ -208,16 +297,18 @@ fn raw_slab(
         }
     }
     let toggles = Toggles::new(snapped.links.len(), toggles);
-    let displacement = snapped.displacement;
-    let plan = plan::triangulate(snapped.vertices, &snapped.links).map_err(|e| e.to_string())?;
-    let columns = columns::build(&columns::Input {
+    let rounded = Moved { count: snapped.rerouted as u64, farthest: snapped.displacement };
+    let plan =
+        plan::triangulate(snapped.vertices, &snapped.links).map_err(|e| Failed::Because(e.to_string()))?;
+    let input = columns::Input {
         plan: &plan,
         levels,
         faces: &slab.faces,
         toggles: &toggles,
         by_winding: &|body| bodies.bodies[body as usize].by_winding,
-    });
-    Ok(Raw { levels, plan, columns, displacement })
+    };
+    let columns = columns::build(&input, account)?;
+    Ok(Raw { levels, plan, columns, rounded })
 }
 
 /// A slab cut into prisms, and what was done to it.
@@ -227,6 +318,7 @@ struct Merged {
     joined: Vec<(cells::Label, Joined)>,
     /// Intervals over the triangles of the plan before merging, by what fills them.
     pieces: BTreeMap<Option<cells::Label>, u64>,
+    unkinked: Moved,
 }
 
 fn merge_slab(
@@ -242,7 +334,7 @@ fn merge_slab(
         *pieces.entry(item.fill).or_default() += 1;
     }
     let mut simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
-    simple.displacement += unkink::unkink(&mut simple);
+    let unkinked = unkink::unkink(&mut simple);
     let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
-    Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces })
+    Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces, unkinked })
 }

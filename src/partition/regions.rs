@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use super::convex::convex_parts;
+use super::moved::Moved;
 use super::plan::{Conflict, NONE, Plan, triangulate};
 use super::stacks::{Item, Stacks};
 use super::straighten::straighten;
@@ -22,8 +23,8 @@ pub(super) struct Simple {
     pub(super) kind: Vec<u32>,
     /// Different stacks.
     pub(super) kinds: Vec<Vec<Item>>,
-    /// The farthest that straightening moved a point, lattice units.
-    pub(super) displacement: f64,
+    /// What straightening moved.
+    pub(super) straightened: Moved,
 }
 
 /// Drops what separates equal stacks, and straightens the rest.
@@ -90,7 +91,8 @@ pub(super) fn simplify(plan: &Plan, stacks: Stacks, lattice: &Lattice) -> Result
         .collect();
     let new = triangulate(straight.vertices, &links)?;
     let kind = spread(&new, &sides);
-    Ok(Simple { plan: new, kind, kinds, displacement: straight.largest_displacement })
+    let straightened = Moved { count: u64::from(straight.removed), farthest: straight.largest_displacement };
+    Ok(Simple { plan: new, kind, kinds, straightened })
 }
 
 /// The kind of every triangle, from the kinds beside the links.

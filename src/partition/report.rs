@@ -2,16 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Model, Semantic};
+use enfilade_importers::{ElementId, Frame, Model, Role, Semantic, Untagged, UpAxis};
+use glam::DVec3;
 use serde::Serialize;
 
 use super::audit::AuditReport;
 use super::bodies::NotCarved;
 use super::cells::{Cell, Label, NONE, Partition};
+use super::moved::Repair;
 use super::surfaces::SurfaceReport;
 use crate::lattice::{FINE, FINE_BITS, Point, orient};
+use crate::roles::asked_role;
 
-/// Report of a partition. Places, lengths and volumes are in the internal frame and metres.
+/// Report of a partition. Lengths, areas and volumes are in metres; places too, in the internal frame, unless
+/// [`PartitionReport::to_source`] has moved them to the source's.
 #[derive(Clone, Debug, Default, Serialize)]
 #[non_exhaustive]
 pub struct PartitionReport {
@@ -41,17 +45,32 @@ pub struct PartitionReport {
     pub slivers_volume: f64,
     /// The same by room: path of the element, cubic metres.
     pub slivers: Vec<(String, f64)>,
-    /// The farthest that rounding and straightening moved a point in the plan.
+    /// What was rounded, straightened and made level, how often and how far.
+    pub repairs: Vec<Repair>,
+    /// The farthest that rounding to the lattice's crossings and straightening moved a point in the plan.
     pub largest_displacement: f64,
+    /// How much of what rays can meet is detail.
+    pub detail: DetailShare,
     /// What makes the surfaces between air and matter.
-    #[serde(skip)]
     pub surfaces: SurfaceReport,
     /// What of the bodies' triangles became detail after all.
-    #[serde(skip)]
     pub audit: AuditReport,
     /// Seconds of each stage.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
+}
+
+/// How much of what rays can meet is detail: in hierarchies of boxes, and not faces of cells or inside of matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct DetailShare {
+    /// Triangles that are detail.
+    pub triangles: u64,
+    /// Their area, m2.
+    pub area: f64,
+    /// All triangles that rays can meet.
+    pub of_triangles: u64,
+    /// Their area, m2.
+    pub of_area: f64,
 }
 
 /// A connected piece of void.
@@ -99,6 +118,43 @@ impl PartitionReport {
         let size = [0, 1, 2].map(|i| i128::from(partition.hull[1][i]) - i128::from(partition.hull[0][i]));
         self.volume_difference = sum - ((size[0] * size[1] * size[2] * 6) << FINE_BITS);
         self.voids = voids(partition, cubic_metres);
+    }
+
+    /// Adds how much of the model is detail.
+    pub(super) fn share(&mut self, partition: &Partition, model: &Model, untagged: Untagged) {
+        let area = |element: ElementId, triangle: u32| {
+            let [a, b, c] =
+                model.elements[element.0 as usize].mesh.corners(triangle as usize).map(DVec3::from);
+            (b - a).cross(c - a).length() / 2.0
+        };
+        for &(element, triangle) in &partition.detail {
+            self.detail.triangles += 1;
+            self.detail.area += area(element, triangle);
+        }
+        for (index, element) in model.elements.iter().enumerate() {
+            if matches!(asked_role(element, untagged), None | Some(Role::Solid | Role::Detail)) {
+                let count = element.mesh.triangles.len() as u32;
+                self.detail.of_triangles += u64::from(count);
+                self.detail.of_area += (0..count).map(|t| area(ElementId(index as u32), t)).sum::<f64>();
+            }
+        }
+    }
+
+    /// The same with all places in the source's own frame and unit.
+    pub fn to_source(&self, frame: &Frame) -> PartitionReport {
+        let mut report = self.clone();
+        let up = if frame.up == UpAxis::Y { 1 } else { 2 };
+        for level in &mut report.levels {
+            *level = frame.point_to_source([0.0, 0.0, *level])[up];
+        }
+        for void in &mut report.voids {
+            let [a, b] = void.bounds.map(|corner| frame.point_to_source(corner));
+            void.bounds = [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))];
+        }
+        for place in &mut report.surfaces.places {
+            place.at = frame.point_to_source(place.at);
+        }
+        report
     }
 }
 

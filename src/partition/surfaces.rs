@@ -13,9 +13,10 @@
 
 use std::collections::HashMap;
 
-use enfilade_importers::ElementId;
+use enfilade_importers::{ElementId, Watch};
 use glam::DVec3;
 
+use super::account::Account;
 use super::boxes::BoxTree;
 use super::cells::{Label, NONE, Partition, Source};
 use super::halfspaces::{Body, Bounds, Cutter, HalfSpace, Piece, are_wider, around_triangle};
@@ -46,7 +47,7 @@ impl Default for SurfaceOptions {
 }
 
 /// A part of the surface between air and matter that no triangle of the source makes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FalseSolid {
     /// In its middle; metres, internal frame.
     pub at: [f64; 3],
@@ -56,12 +57,17 @@ pub struct FalseSolid {
     pub air: u32,
     /// The cell of matter.
     pub solid: u32,
-    /// The element that fills that.
+    /// The element that fills that, as index in reports.
+    #[serde(serialize_with = "index")]
     pub element: Option<ElementId>,
 }
 
+fn index<S: serde::Serializer>(element: &Option<ElementId>, to: S) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&element.map(|element| element.0), to)
+}
+
 /// What [`attach`] found.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SurfaceReport {
     /// Parts of air cells' surfaces beyond which there is matter.
     pub faces: u32,
@@ -93,18 +99,28 @@ const PARALLEL: f64 = 0.9;
 const AVERTED: f64 = -0.1;
 
 /// Finds the triangles of every part of the surface between air and matter, from both sides, and writes them to
-/// [`Partition::sources`] and the covers' indices; what was there is replaced.
+/// [`Partition::sources`] and the covers' indices; what was there is replaced. If the `account` is full or the caller
+/// cancels, the search ends early.
 ///
 /// The result does not depend on the number of threads.
-pub fn attach(
+pub(super) fn attach(
     partition: &mut Partition,
     matter: &[MatterTriangle],
     options: &SurfaceOptions,
+    account: &Account,
+    watch: &Watch,
 ) -> SurfaceReport {
     let tree = BoxTree::new(matter.iter().map(MatterTriangle::bounds));
     let finder = Finder::new(partition, matter, &tree, options);
-    let chunks =
-        parallel::map(partition.cells.len().div_ceil(CHUNK), |chunk| finder.find(chunk * CHUNK, CHUNK));
+    let chunks = parallel::map(partition.cells.len().div_ceil(CHUNK), |chunk| {
+        if account.is_full() || watch.is_cancelled() {
+            return Vec::new();
+        }
+        let found = finder.find(chunk * CHUNK, CHUNK);
+        // The account knows if it is too much.
+        let _ = account.take(found.iter().map(|found| found.triangles.len() + 32).sum(), 8);
+        found
+    });
     let mut report = SurfaceReport::default();
     let mut places = Vec::new();
     let step = partition.lattice.step();

@@ -5,6 +5,7 @@
 //! point may lie on the line, but one on the side of the matter is as good, and there the air is convex. Points are moved
 //! only as far as all triangles around them keep their orientation, so that nothing ever crosses.
 
+use super::moved::Moved;
 use super::plan::{NONE, Plan};
 use super::regions::Simple;
 use super::stacks::Item;
@@ -17,8 +18,8 @@ const FARTHEST: i32 = 3;
 /// Times that all points are looked at.
 const PASSES: usize = 4;
 
-/// Moves points; returns the farthest that one was moved, lattice units.
-pub(super) fn unkink(simple: &mut Simple) -> f64 {
+/// Moves points; returns which.
+pub(super) fn unkink(simple: &mut Simple) -> Moved {
     let stars = Stars::of(&simple.plan);
     let original = simple.plan.points.clone();
     // The items of each kind that light passes.
@@ -29,7 +30,6 @@ pub(super) fn unkink(simple: &mut Simple) -> f64 {
             stack.iter().copied().filter(|item| item.fill.is_none_or(|label| label.is_air())).collect()
         })
         .collect();
-    let mut farthest = 0.0f64;
     for _ in 0..PASSES {
         let mut moved = false;
         for v in 0..stars.count() {
@@ -38,8 +38,6 @@ pub(super) fn unkink(simple: &mut Simple) -> f64 {
             if mover.kinks(v) > 0
                 && let Some(to) = mover.best(v, star, original[v as usize])
             {
-                let (dx, dy) = (to.x - original[v as usize].x, to.y - original[v as usize].y);
-                farthest = farthest.max(f64::from(dx).hypot(f64::from(dy)));
                 simple.plan.points[v as usize] = to;
                 moved = true;
             }
@@ -48,7 +46,11 @@ pub(super) fn unkink(simple: &mut Simple) -> f64 {
             break;
         }
     }
-    farthest
+    let mut all = Moved::default();
+    for (from, to) in original.iter().zip(&simple.plan.points).filter(|(from, to)| from != to) {
+        all.add(f64::from(to.x - from.x).hypot(f64::from(to.y - from.y)));
+    }
+    all
 }
 
 /// The triangles around each point, counter-clockwise, as (triangle, which corner the point is).

@@ -323,7 +323,9 @@ impl Side {
 
     /// How far it passes the ray.
     fn distance(&self) -> f64 {
-        let ([p, _], share) = (self.ends, self.share().max(0.0).min(1.0));
+        let ([p, _], share) = (self.ends, self.share());
+        // A point has no share.
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         (p[0] + share * self.way[0]).hypot(p[1] + share * self.way[1])
     }
 }

@@ -15,10 +15,10 @@ mod walk;
 use std::collections::BTreeMap;
 
 use building::{Building, buildings};
-use enfilade::importers::{Model, Untagged};
+use enfilade::importers::Model;
 use enfilade::lattice::FINE;
 use enfilade::partition::cells::{Label, Partition};
-use enfilade::partition::partition;
+use enfilade::partition::{PartitionOptions, partition};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -40,7 +40,7 @@ const FEW: u32 = 25;
 /// All that is wrong with the partition of a building.
 fn findings(building: &Building, seed: u64) -> Vec<Finding> {
     let model = building.model(false);
-    let (partition, report) = match partition(&model, Untagged::default()) {
+    let (partition, report) = match partition(&model, &PartitionOptions::default()) {
         Ok(made) => made,
         Err(error) => return vec![Finding { kind: "error", text: error.to_string() }],
     };
@@ -107,7 +107,7 @@ fn every_kind_of_degeneracy_is_common() {
 }
 
 fn made(model: &Model) -> Partition {
-    partition(model, Untagged::default()).unwrap().0
+    partition(model, &PartitionOptions::default()).unwrap().0
 }
 
 /// Of matter, of labelled air, and of the rest without the margin around it, m3.

@@ -7,7 +7,7 @@ use crate::partition::cells::Label;
 use crate::partition::testing::*;
 
 fn run(partition: &mut Partition, matter: &[MatterTriangle]) -> AuditReport {
-    audit(partition, matter, &AuditOptions::default())
+    audit(partition, matter, &AuditOptions::default(), &Watch::default())
 }
 
 /// A block of matter, 4 m x 1 m x 3 m high, in air.

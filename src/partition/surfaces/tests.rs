@@ -6,7 +6,7 @@ use crate::partition::cells::Cell;
 use crate::partition::testing::*;
 
 fn run(partition: &mut Partition, matter: &[MatterTriangle]) -> SurfaceReport {
-    attach(partition, matter, &SurfaceOptions::default())
+    attach(partition, matter, &SurfaceOptions::default(), &Account::new(u64::MAX), &Watch::default())
 }
 
 fn scaled(corners: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
