@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use enfilade::importers::{Model, Semantic};
 use enfilade::inspect::{Inspection, inspect};
-use enfilade::partition::cells::{Label, Partition};
+use enfilade::partition::cells::Partition;
 use enfilade::partition::{figure, partition};
 
 use super::failure::{Failure, Outcome};
@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Print the whole report as JSON.
     #[arg(long)]
     json: bool,
-    /// Draw the cells that a level plane cuts: matter grey, each room in a colour of its own, void pink.
+    /// Draw the cells that a level plane cuts: matter grey, each room in a colour of its own, openings white, void red.
     #[arg(long, value_name = "OUT.svg", conflicts_with = "no_cells")]
     figure: Option<PathBuf>,
     /// Where that plane lies, along the axis that points up, in the model's own frame and unit. Default: 1.2 m above the
@@ -82,11 +82,7 @@ fn draw(model: &Model, cells: &Partition, height: Option<f64>) -> String {
             1.2 + if floor.is_finite() { floor } else { lowest }
         }
     };
-    figure::svg(cells, z, &|label| match label {
-        Label::Air(element) | Label::Solid(element) => model.elements[element.0 as usize].name.clone(),
-        Label::Exterior => "exterior".to_owned(),
-        Label::Void => "void".to_owned(),
-    })
+    figure::svg(cells, model, z)
 }
 
 fn text(i: &Inspection, elements: bool) -> String {

@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
+use enfilade_importers::Model;
+
 use super::cells::{Cell, Label, Partition};
+use super::kind;
 use crate::lattice::{FINE, Point};
 
-/// Draws the cells at height `z` (metres, internal frame), north up; one user unit is a metre. `name` gives the text of a
-/// cell's tooltip.
-pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> String {
+/// Draws the cells of `model` at height `z` (metres, internal frame), north up; one user unit is a metre. Tooltips name
+/// the elements.
+pub fn svg(partition: &Partition, model: &Model, z: f64) -> String {
     let lattice = &partition.lattice;
     let place = |p: Point| lattice.metres([f64::from(p.x), f64::from(p.y), 0.0]);
     let [lo, hi] = partition.hull;
@@ -34,13 +37,13 @@ pub fn svg(partition: &Partition, z: f64, name: &dyn Fn(Label) -> String) -> Str
         for (i, p) in partition.footprint(cell).enumerate() {
             let [x, y, _] = place(p);
             let (x, y) = (x - left, top - y);
-            let _ = write!(path, "{}{x:.4} {y:.4}", if i == 0 { "M" } else { " L" });
+            let _ = write!(path, "{}{x:.3} {y:.3}", if i == 0 { "M" } else { " L" });
         }
         let _ = writeln!(
             svg,
             "<path d=\"{path} Z\" fill=\"{}\"><title>{}</title></path>",
-            fill(cell.label),
-            escape(&name(cell.label))
+            fill(cell.label, model),
+            escape(name(cell.label, model))
         );
     }
     svg.push_str("</g>\n</svg>\n");
@@ -60,17 +63,26 @@ fn is_cut(partition: &Partition, cell: &Cell, level: f64) -> bool {
     height(cell.floor) <= level && level < height(cell.ceiling)
 }
 
-/// Colours: matter dark, rooms in pale hues of their own, other air white or grey.
-fn fill(label: Label) -> String {
-    match label {
-        Label::Solid(_) => "#6b6b6b".to_owned(),
-        Label::Exterior => "#eef3f7".to_owned(),
-        Label::Void => "#e8c9c9".to_owned(),
-        Label::Air(element) => {
+/// Colours: matter dark, rooms in pale hues of their own, openings white, the exterior nearly so, void red.
+fn fill(label: Label, model: &Model) -> String {
+    match (kind(label, model), label) {
+        ("solid", _) => "#6b6b6b".to_owned(),
+        ("exterior", _) => "#eef3f7".to_owned(),
+        ("opening", _) => "#ffffff".to_owned(),
+        ("room", Label::Air(element)) => {
             // Hues as far apart as the golden angle puts them.
             let hue = (f64::from(element.0) * 137.508) % 360.0;
             format!("hsl({hue:.0}, 60%, 82%)")
         }
+        _ => "#e89090".to_owned(),
+    }
+}
+
+fn name(label: Label, model: &Model) -> &str {
+    match label {
+        Label::Air(element) | Label::Solid(element) => &model.elements[element.0 as usize].name,
+        Label::Exterior => "exterior",
+        Label::Void => "void",
     }
 }
 
