@@ -8,8 +8,8 @@ use enfilade::importers::{
     Watch,
 };
 use enfilade::render::{
-    Camera, ColorMode, Picture, RenderError, RenderOptions, auto_view, element_color, outside_view, ramp,
-    render, room_color, room_views, semantic_color, srgb_bytes, write_exr, write_png,
+    Camera, ColorMode, Picture, RenderError, RenderOptions, auto_view, cell_color, element_color,
+    outside_view, ramp, render, room_color, room_views, semantic_color, srgb_bytes, write_exr, write_png,
 };
 use enfilade::{CompileOptions, NONE, Place, Ray, Scene, Start, Want, compile};
 
@@ -102,6 +102,7 @@ fn what_pixels_hold() {
         (ColorMode::Semantic, semantic_color(Semantic::Wall.number())),
         (ColorMode::Element, element_color(middle.element)),
         (ColorMode::Room, room_color(middle.room)),
+        (ColorMode::Cell, cell_color(middle.cell)),
     ] {
         near(shot(&scene, &camera, 33, mode).pixel(16, 16).color, flat);
     }
@@ -338,7 +339,10 @@ fn exr_holds_everything() {
     let (width, height, channels) = read_exr(&path);
     assert_eq!((width, height), (45, 33));
     let names: Vec<&str> = channels.iter().map(|c| c.0.as_str()).collect();
-    assert_eq!(names, ["B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "element", "material", "room", "semantic"]);
+    assert_eq!(
+        names,
+        ["B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "cell", "element", "material", "room", "semantic"]
+    );
     for (name, samples) in &channels {
         for (i, pixel) in picture.pixels().iter().enumerate() {
             let normal = frame.direction_to_source(pixel.normal.map(f64::from)).map(|c| c as f32);
@@ -360,6 +364,7 @@ fn exr_holds_everything() {
                         "element" => pixel.element,
                         "material" => pixel.material,
                         "room" => pixel.room,
+                        "cell" => pixel.cell,
                         _ => pixel.semantic,
                     };
                     assert_eq!(values[i], expected, "{name} {i}");

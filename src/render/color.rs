@@ -20,6 +20,8 @@ pub enum ColorMode {
     Element,
     /// The room in which the ray ends: [`room_color`].
     Room,
+    /// The cell in which the ray ends: [`cell_color`].
+    Cell,
     /// The distance along the ray, near light and far dark: [`ramp`].
     Depth,
     /// The normal, in the axes of [`RenderOptions::frame`](super::RenderOptions::frame): x, y, z from -1..1 to 0..1 of
@@ -31,16 +33,17 @@ pub enum ColorMode {
 
 /// The word names no colour mode.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is none of material, semantic, element, room, depth, normal, cost")]
+#[error("'{0}' is none of material, semantic, element, room, cell, depth, normal, cost")]
 pub struct UnknownColorMode(pub String);
 
 impl ColorMode {
     /// All modes.
-    pub const ALL: [ColorMode; 7] = [
+    pub const ALL: [ColorMode; 8] = [
         ColorMode::Material,
         ColorMode::Semantic,
         ColorMode::Element,
         ColorMode::Room,
+        ColorMode::Cell,
         ColorMode::Depth,
         ColorMode::Normal,
         ColorMode::Cost,
@@ -53,6 +56,7 @@ impl ColorMode {
             ColorMode::Semantic => "semantic",
             ColorMode::Element => "element",
             ColorMode::Room => "room",
+            ColorMode::Cell => "cell",
             ColorMode::Depth => "depth",
             ColorMode::Normal => "normal",
             ColorMode::Cost => "cost",
@@ -151,6 +155,11 @@ pub fn element_color(index: u32) -> [f32; 3] {
 /// The colour of the room with this index, linear RGB; grey for [`NONE`].
 pub fn room_color(index: u32) -> [f32; 3] {
     if index == NONE { linear(NOTHING) } else { spread(index, [0.80, 0.68, 0.88], 0.10) }
+}
+
+/// The colour of the cell with this index, linear RGB; grey for [`NONE`].
+pub fn cell_color(index: u32) -> [f32; 3] {
+    if index == NONE { linear(NOTHING) } else { spread(index, [0.74, 0.86, 0.60], 0.12) }
 }
 
 /// Hues a golden angle apart, so that any number of them stay as different as can be; the lightness changes too.

@@ -18,7 +18,7 @@ use super::write::{WriteError, write};
 /// | `R`, `G`, `B` | f32 | radiance, linear, not cut |
 /// | `Z` | f32 | distance along the ray, in the unit of `frame`; infinite: escaped, NaN: in a solid |
 /// | `N.X`, `N.Y`, `N.Z` | f32 | normal toward the eye, in the axes of `frame`; zeros: none |
-/// | `element`, `room`, `material` | u32 | index; 4294967295: none |
+/// | `element`, `room`, `cell`, `material` | u32 | index; 4294967295: none |
 /// | `semantic` | u32 | number of the element's semantic; 4294967295: no element |
 ///
 /// `frame` is the source's own, [`Scene::frame`](crate::Scene::frame), or `Frame::default()` for the internal one. The
@@ -45,6 +45,7 @@ pub fn write_exr(picture: &Picture, path: &Path, frame: &Frame) -> Result<(), Wr
         floats("N.Z", &normal(2)),
         numbers("element", &|p| p.element),
         numbers("room", &|p| p.room),
+        numbers("cell", &|p| p.cell),
         numbers("material", &|p| p.material),
         numbers("semantic", &|p| p.semantic),
     ];

@@ -21,6 +21,8 @@ pub struct Pixel {
     pub material: u32,
     /// Index of the room in which the ray ended, or [`NONE`].
     pub room: u32,
+    /// Index of the cell in which the ray ended, or [`NONE`].
+    pub cell: u32,
     /// Index of the triangle, or [`NONE`].
     pub triangle: u32,
     /// Steps that the tracer took: only counted in pictures of [`ColorMode::Cost`], else 0.
@@ -38,6 +40,7 @@ impl Pixel {
             semantic: if hit.element == NONE { NONE } else { hit.semantic },
             material: hit.material,
             room: hit.room,
+            cell: hit.cell,
             triangle: hit.triangle,
             cost: 0,
         }

@@ -6,7 +6,9 @@
 use enfilade_importers::Frame;
 use glam::DVec3;
 
-use super::color::{ColorMode, SKY, element_color, linear, room_color, semantic_color, to_linear};
+use super::color::{
+    ColorMode, SKY, cell_color, element_color, linear, room_color, semantic_color, to_linear,
+};
 use crate::format::records::MaterialRecord;
 use crate::scene::Scene;
 use crate::trace::{Hit, NONE, Ray, Start, Want};
@@ -42,6 +44,7 @@ pub(super) fn shade(scene: &Scene, ray: &Ray, hit: &Hit, mode: ColorMode, frame:
         ColorMode::Semantic => semantic_color(hit.semantic),
         ColorMode::Element => element_color(hit.element),
         ColorMode::Room => room_color(hit.room),
+        ColorMode::Cell => cell_color(hit.cell),
     };
     let light = EVEN + (1.0 - EVEN) * cosine(ray.direction, hit.normal);
     flat.map(|c| c * light as f32)
