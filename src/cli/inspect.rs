@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use enfilade::importers::{Model, Semantic};
+use enfilade::importers::{Mesh, Model, Semantic};
 use enfilade::inspect::{Inspection, inspect};
 use enfilade::partition::cells::Partition;
 use enfilade::partition::{figure, partition};
@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.svg", conflicts_with = "no_cells")]
     figure: Option<PathBuf>,
     /// Where that plane lies, along the axis that points up, in the model's own frame and unit. Default: 1.2 m above the
-    /// floor of the lowest room, or the lowest point.
+    /// floor of the largest room, or the lowest point.
     #[arg(long, value_name = "HEIGHT", requires = "figure", allow_negative_numbers = true)]
     height: Option<f64>,
     #[command(flatten)]
@@ -69,6 +69,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     output::print(&text(&inspection, arguments.elements))
 }
 
+fn bounds(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
+    let corners = mesh.positions.iter().map(|&p| [p; 2]);
+    corners.reduce(|[lo, hi], [p, _]| {
+        [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
+    })
+}
+
 /// The cells at `height`, source frame.
 fn draw(model: &Model, cells: &Partition, height: Option<f64>) -> String {
     let frame = &model.frame;
@@ -76,10 +83,12 @@ fn draw(model: &Model, cells: &Partition, height: Option<f64>) -> String {
         Some(height) => height * frame.unit - frame.offset[2],
         None => {
             let rooms = model.elements.iter().filter(|element| element.semantic == Semantic::Room);
-            let floors = rooms.flat_map(|room| room.mesh.positions.iter().map(|p| p[2]));
-            let floor = floors.fold(f64::INFINITY, f64::min);
-            let lowest = model.bounds().map_or(0.0, |[lo, _]| lo[2]);
-            1.2 + if floor.is_finite() { floor } else { lowest }
+            // Of the first of equals.
+            let largest = rooms.filter_map(|room| bounds(&room.mesh)).reduce(|best, next| {
+                let area = |[lo, hi]: [[f64; 3]; 2]| (hi[0] - lo[0]) * (hi[1] - lo[1]);
+                if area(next) > area(best) { next } else { best }
+            });
+            1.2 + largest.or(model.bounds()).map_or(0.0, |[lo, _]| lo[2])
         }
     };
     figure::svg(cells, model, z)
