@@ -71,9 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 
 fn bounds(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
     let corners = mesh.positions.iter().map(|&p| [p; 2]);
-    corners.reduce(|[lo, hi], [p, _]| {
-        [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
-    })
+    corners
+        .reduce(|[lo, hi], [p, _]| [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))])
 }
 
 /// The cells at `height`, source frame.

@@ -44,7 +44,9 @@ pub(super) fn of_faces(bodies: &Bodies, triangles: &[Triangle]) -> Vec<Repair> {
     for body in &bodies.bodies {
         for (vertex, exact) in body.vertices.iter().zip(&body.exact) {
             let off = [f64::from(vertex.at.x) - exact[0], f64::from(vertex.at.y) - exact[1]];
-            rounded.add(off[0].hypot(off[1]));
+            if off != [0.0; 2] {
+                rounded.add(off[0].hypot(off[1]));
+            }
         }
     }
     let own = bodies.bodies.iter().flat_map(|body| body.triangles.iter().map(move |t| (body, t)));
