@@ -119,6 +119,7 @@ fn exact_buildings_have_the_rooms_that_were_drawn() {
     }
 }
 
+/// However a tool writes the house, its rooms are those that were drawn, as far as the style leaves them.
 #[test]
 fn rooms_of_styled_buildings() {
     let mut options = HouseOptions::default();
@@ -126,17 +127,27 @@ fn rooms_of_styled_buildings() {
     let building = house(&options);
     let names: Vec<_> = Style::exact().shares_mut().into_iter().map(|(name, _)| name).collect();
     for name in names {
+        // Identities are doubled, and rooms left out, on purpose; parts by material are elements of their own, and open.
+        if ["doubled-ids", "rooms-missing", "split-by-material"].contains(&name) {
+            continue;
+        }
         let mut style = Style::exact();
         style.seed = 1;
         *style.shares_mut().into_iter().find(|(other, _)| *other == name).unwrap().1 = 1.0;
         let model = building.export(&style).to_model().unwrap();
         let (partition, report) = cut(&model);
-        let found = rooms(&model, &partition);
-        if building.truth().rooms.iter().all(|room| found.contains_key(&room.air.id)) {
-            println!("{name} {:?} {:?}", worst(&building, &found), report.not_carved);
-        } else {
-            println!("{name} rooms missing");
-        }
+        let [volume, area] = worst(&building, &rooms(&model, &partition));
+        assert!(report.not_carved.is_empty(), "{name}: {:?}", report.not_carved);
+        let [most_volume, most_area] = match name {
+            // What is left of a hole beyond a shallow opening joins the room; a recess of a quarter of a wall.
+            "openings-shallow" => [0.005, 0.05],
+            // By at most 10 mm, where nothing solid is in the way: in openings.
+            "rooms-larger" => [0.01, 0.05],
+            // At most 30 mm of the room's height, over a third of its surface.
+            "floors" | "floors-below" => [0.01, 1e-9],
+            _ => [1e-6, 1e-5],
+        };
+        assert!(volume <= most_volume && area <= most_area, "{name}: {volume} m, {area} m");
     }
 }
 

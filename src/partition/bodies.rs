@@ -4,9 +4,12 @@
 //! open ones do not, nor do those with too many faces for their volume (railings, proxies, handles), which would cut the
 //! air around them into splinters; they stay detail, each with its reason.
 
-use enfilade_importers::{Element, ElementId, Model, Role, Untagged};
+use std::borrow::Cow;
+
+use enfilade_importers::{Element, ElementId, Mesh, Model, Role, Untagged};
 
 use super::direction::direction;
+use super::mend::{Mended, mend};
 use crate::compile::outward::{Outward, turn_outward};
 use crate::components::{Component, components};
 use crate::lattice::{Lattice, Point};
@@ -70,6 +73,15 @@ pub(super) struct Body {
     pub(super) volume: f64,
 }
 
+/// A triangle that was left inside of a body, with nothing to close.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inner {
+    pub(super) element: ElementId,
+    /// Its index in the element's mesh.
+    pub(super) source: u32,
+    pub(super) corners: [[f64; 3]; 3],
+}
+
 /// All bodies of a model, and what became of the rest of its components.
 #[derive(Debug)]
 pub(super) struct Bodies {
@@ -81,15 +93,31 @@ pub(super) struct Bodies {
     pub(super) detail: Vec<(ElementId, u32)>,
     /// Components of solid elements that do not carve.
     pub(super) not_carved: Vec<(ElementId, NotCarved)>,
+    /// Triangles inside of solid bodies that belong to none.
+    pub(super) inner: Vec<Inner>,
+    /// Elements whose mesh was mended.
+    pub(super) mended: u64,
 }
 
 /// Closed components of an element that carve or label, before the lattice is known.
 struct Shells<'m> {
-    element: &'m Element,
+    /// The element's own, or a mended one.
+    mesh: Cow<'m, Mesh>,
+    /// The index of each of its triangles in the element's mesh, if it is not that.
+    source: Option<Vec<u32>>,
+    /// Triangles of the element's mesh that were left inside.
+    inner: Vec<u32>,
     id: ElementId,
     is_solid: bool,
     closed: Vec<Closed>,
     bounds: [[f64; 3]; 2],
+}
+
+impl Shells<'_> {
+    /// The index in the element's mesh of one of the triangles.
+    fn source_of(&self, triangle: u32) -> u32 {
+        self.source.as_ref().map_or(triangle, |source| source[triangle as usize])
+    }
 }
 
 /// A closed component.
@@ -125,20 +153,22 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     }
     let Some(middle) = middle(&all) else {
         let lattice = Lattice::about(std::iter::empty(), [1.0, 0.0]);
-        return Bodies { lattice, bounds: [[0; 3]; 2], bodies: Vec::new(), detail, not_carved };
+        let (bodies, inner) = (Vec::new(), Vec::new());
+        return Bodies { lattice, bounds: [[0; 3]; 2], bodies, detail, not_carved, inner, mended: 0 };
     };
     let (near, far): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| is_near(s.bounds, middle));
     for shells in far.iter().filter(|s| s.is_solid) {
         not_carved.push((shells.id, NotCarved::Far));
         let triangles = shells.closed.iter().flat_map(|closed| &closed.component.triangles);
-        detail.extend(triangles.map(|&t| (shells.id, t)));
+        detail.extend(triangles.map(|&t| (shells.id, shells.source_of(t))));
+        detail.extend(shells.inner.iter().map(|&t| (shells.id, t)));
     }
     let reach = near.iter().flat_map(|s| s.bounds).flatten().fold(0.0f64, |reach, c| reach.max(c.abs()));
     let carving = near.iter().filter(|s| s.is_solid).map(|s| s.id.0);
     let turn = direction(model, carving, reach, 1.0 / f64::from(1u32 << Lattice::FINEST));
     // The hull is larger than the bodies, and on the lattice too, however that is turned.
     let margin = 2.0 * super::MARGIN;
-    let points = near.iter().flat_map(|s| &s.element.mesh.positions);
+    let points = near.iter().flat_map(|s| &s.mesh.positions);
     let points = points.flat_map(|p| [p.map(|c| c - margin), p.map(|c| c + margin)]);
     let lattice = Lattice::about(points, turn);
     let bodies: Vec<Body> = near.iter().flat_map(|shells| bodies_of(shells, &lattice)).collect();
@@ -149,20 +179,45 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
             bounds[1][axis] = bounds[1][axis].max(c);
         }
     }
+    let mut inner = Vec::new();
+    for shells in near.iter().filter(|s| s.is_solid) {
+        let mesh = &model.elements[shells.id.0 as usize].mesh;
+        let corners = |t: u32| mesh.corners(t as usize).map(|p| lattice.local(p));
+        inner.extend(shells.inner.iter().map(|&source| Inner {
+            element: shells.id,
+            source,
+            corners: corners(source),
+        }));
+    }
+    let mended = near.iter().filter(|s| s.source.is_some()).count() as u64;
     detail.sort_unstable();
+    detail.dedup();
     not_carved.sort_unstable();
-    Bodies { lattice, bounds, bodies, detail, not_carved }
+    Bodies { lattice, bounds, bodies, detail, not_carved, inner, mended }
 }
 
 /// The components of one element, sorted by what becomes of them.
+#[derive(Default)]
 struct Sorted<'m> {
-    shells: Option<Shells<'m>>,
+    shells: Vec<Shells<'m>>,
     detail: Vec<(ElementId, u32)>,
     not_carved: Vec<(ElementId, NotCarved)>,
 }
 
-fn sort_components(model: &Model, untagged: Untagged) -> Vec<Sorted<'_>> {
-    let sort = |(index, element)| sort_element(ElementId(index as u32), element, untagged);
+fn sort_components<'m>(model: &'m Model, untagged: Untagged) -> Vec<Sorted<'m>> {
+    let sort = |(index, element): (usize, &'m Element)| {
+        let id = ElementId(index as u32);
+        let asked = asked_role(element, untagged);
+        let mut sorted = Sorted::default();
+        let open = sort_mesh(&mut sorted, Pieces::whole(id, &element.mesh), asked);
+        // Labels too: rooms are written by the same tools.
+        if !open.is_empty() && matches!(asked, Some(Role::Solid | Role::Air)) {
+            let Mended { mesh, source, inner } = mend(&element.mesh, &open);
+            let pieces = Pieces { id, mesh: Cow::Owned(mesh), source: Some(source), inner };
+            sort_mesh(&mut sorted, pieces, asked);
+        }
+        sorted
+    };
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -172,17 +227,43 @@ fn sort_components(model: &Model, untagged: Untagged) -> Vec<Sorted<'_>> {
     model.elements.iter().enumerate().map(sort).collect()
 }
 
-fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<'_> {
-    let mut sorted = Sorted { shells: None, detail: Vec::new(), not_carved: Vec::new() };
-    let asked = asked_role(element, untagged);
+/// A mesh whose components are to be sorted.
+struct Pieces<'m> {
+    id: ElementId,
+    mesh: Cow<'m, Mesh>,
+    /// As in [`Shells`].
+    source: Option<Vec<u32>>,
+    inner: Vec<u32>,
+}
+
+impl<'m> Pieces<'m> {
+    fn whole(id: ElementId, mesh: &'m Mesh) -> Pieces<'m> {
+        Pieces { id, mesh: Cow::Borrowed(mesh), source: None, inner: Vec::new() }
+    }
+
+    fn source_of(&self, triangle: u32) -> u32 {
+        self.source.as_ref().map_or(triangle, |source| source[triangle as usize])
+    }
+}
+
+/// Sorts the components of a mesh. Returns the triangles of those that are open and may be mended; if it was mended
+/// already, they are detail.
+fn sort_mesh<'m>(sorted: &mut Sorted<'m>, pieces: Pieces<'m>, asked: Option<Role>) -> Vec<u32> {
+    let (id, mesh) = (pieces.id, pieces.mesh.as_ref());
     let asks_solid = matches!(asked, Some(Role::Solid));
+    let may_mend = pieces.source.is_none() && matches!(asked, Some(Role::Solid | Role::Air));
+    let mut open = Vec::new();
     let mut closed: Vec<Closed> = Vec::new();
     let mut is_solid = false;
     let mut leave = |component: &Component, why: Option<NotCarved>| {
-        sorted.detail.extend(component.triangles.iter().map(|&t| (id, t)));
+        sorted.detail.extend(component.triangles.iter().map(|&t| (id, pieces.source_of(t))));
         sorted.not_carved.extend(why.map(|why| (id, why)));
     };
-    for component in components(&element.mesh) {
+    for component in components(mesh) {
+        if !component.closed && may_mend {
+            open.extend(component.triangles);
+            continue;
+        }
         match component_role(asked, &component) {
             Role::Ignore => {}
             Role::Detail => leave(&component, asks_solid.then_some(NotCarved::Open)),
@@ -190,10 +271,10 @@ fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<
             role @ (Role::Air | Role::Solid) => {
                 is_solid = role == Role::Solid;
                 let turned = |shell: Shell| {
-                    let outward = turn_outward(&element.mesh, &shell, component.bounds);
+                    let outward = turn_outward(mesh, &shell, component.bounds);
                     (shell, outward)
                 };
-                let shells = shells(&element.mesh, &component).into_iter().map(turned).collect();
+                let shells = shells(mesh, &component).into_iter().map(turned).collect();
                 closed.push(Closed { component, shells });
             }
         }
@@ -203,14 +284,14 @@ fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<
     let has_cavity = closed.iter().any(|closed| (closed.volume() < 0.0) != (whole < 0.0));
     if is_solid {
         if has_cavity {
-            let faces: usize = closed.iter().map(|closed| face_count(element, closed)).sum();
+            let faces: usize = closed.iter().map(|closed| face_count(mesh, closed)).sum();
             if let Some(why) = too_costly(faces, whole) {
                 closed.iter().for_each(|closed| leave(&closed.component, Some(why)));
                 closed.clear();
             }
         } else {
             closed.retain(|closed| {
-                let why = too_costly(face_count(element, closed), closed.volume());
+                let why = too_costly(face_count(mesh, closed), closed.volume());
                 if why.is_some() {
                     leave(&closed.component, why);
                 }
@@ -218,14 +299,19 @@ fn sort_element(id: ElementId, element: &Element, untagged: Untagged) -> Sorted<
             });
         }
     }
-    if let Some(first) = closed.first() {
-        let bounds = closed.iter().fold(first.component.bounds, |[lo, hi], closed| {
-            let [from, to] = closed.component.bounds;
-            [[0, 1, 2].map(|i| lo[i].min(from[i])), [0, 1, 2].map(|i| hi[i].max(to[i]))]
-        });
-        sorted.shells = Some(Shells { element, id, is_solid, closed, bounds });
+    match closed.first() {
+        Some(first) => {
+            let bounds = closed.iter().fold(first.component.bounds, |[lo, hi], closed| {
+                let [from, to] = closed.component.bounds;
+                [[0, 1, 2].map(|i| lo[i].min(from[i])), [0, 1, 2].map(|i| hi[i].max(to[i]))]
+            });
+            let Pieces { id, mesh, source, inner } = pieces;
+            sorted.shells.push(Shells { mesh, source, inner, id, is_solid, closed, bounds });
+        }
+        None if asks_solid => sorted.detail.extend(pieces.inner.iter().map(|&t| (id, t))),
+        None => {}
     }
-    sorted
+    open
 }
 
 fn too_costly(faces: usize, volume: f64) -> Option<NotCarved> {
@@ -237,8 +323,7 @@ fn too_costly(faces: usize, volume: f64) -> Option<NotCarved> {
 }
 
 /// How many planar faces a component has: triangles of one plane, told by their quantised planes, count once.
-fn face_count(element: &Element, closed: &Closed) -> usize {
-    let mesh = &element.mesh;
+fn face_count(mesh: &Mesh, closed: &Closed) -> usize {
     let origin = glam::DVec3::from(closed.component.bounds[0]);
     let triangles = closed.shells.iter().flat_map(|(_, outward)| &outward.triangles);
     let mut planes: Vec<[i64; 4]> = triangles
@@ -276,13 +361,13 @@ fn bodies_of(shells: &Shells<'_>, lattice: &Lattice) -> Vec<Body> {
     let all = || shells.closed.iter().flat_map(|closed| &closed.shells);
     let (together, others): (Vec<_>, Vec<_>) = all().partition(|(shell, _)| shell.inside == Inside::Together);
     let groups = [together].into_iter().chain(others.into_iter().map(|shell| vec![shell]));
-    let mut index = vec![u32::MAX; shells.element.mesh.positions.len()];
+    let mut index = vec![u32::MAX; shells.mesh.positions.len()];
     groups.filter(|group| !group.is_empty()).map(|group| body(shells, &group, lattice, &mut index)).collect()
 }
 
 /// `index` is for every vertex of the mesh, and is left as it came: `u32::MAX` for all.
 fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, index: &mut [u32]) -> Body {
-    let mesh = &shells.element.mesh;
+    let mesh = &shells.mesh;
     let mut body = Body {
         element: shells.id,
         is_solid: shells.is_solid,
@@ -305,7 +390,7 @@ fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, ind
                 }
                 *slot
             });
-            body.triangles.push(Corner3 { corners, source });
+            body.triangles.push(Corner3 { corners, source: shells.source_of(source) });
         }
     }
     let corners = group.iter().flat_map(|(_, outward)| outward.triangles.iter().flatten());

@@ -20,6 +20,7 @@ pub mod figure;
 mod halfspaces;
 mod labels;
 pub mod matter;
+mod mend;
 mod moved;
 mod overlap;
 mod plan;
@@ -228,7 +229,12 @@ fn matter(bodies: &Bodies) -> Vec<MatterTriangle> {
         };
         body.triangles.iter().map(triangle).collect()
     };
-    solid.flat_map(of).collect()
+    let inner = bodies.inner.iter().map(|inner| MatterTriangle {
+        corners: inner.corners,
+        element: inner.element,
+        triangle: inner.source,
+    });
+    solid.flat_map(of).chain(inner).collect()
 }
 
 fn hull(bodies: &Bodies) -> [[i32; 3]; 2] {

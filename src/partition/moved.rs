@@ -69,6 +69,11 @@ pub(super) fn of_faces(bodies: &Bodies, triangles: &[Triangle]) -> Vec<Repair> {
     }
     let lattice = &bodies.lattice;
     vec![
+        Repair {
+            what: "elements whose open meshes were closed for the cells, by welding and splitting of edges",
+            count: bodies.mended,
+            largest_displacement: 0.0,
+        },
         rounded.repair("points rounded to the lattice in the plan", lattice),
         planes.repair("triangles moved in height to the lattice, a level or a common plane", lattice),
         sheets.repair("triangles so steep that they were made upright", lattice),
