@@ -108,7 +108,6 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
     let seen: Vec<(&Plan, &Columns)> = raw.iter().map(|r| (&r.plan, &r.columns)).collect();
     let labels = Labels::new(model, &bodies.bodies, &seen);
     report.columns = raw.iter().map(|r| r.plan.triangles.len() as u64).sum();
-    report.largest_displacement = raw.iter().map(|r| r.displacement).fold(0.0, f64::max) * lattice.step();
     let is_room = labels.rooms();
     lap(&mut report, "labels");
     let built = each(raw, |raw| {
@@ -123,8 +122,7 @@ pub fn partition(model: &Model, untagged: Untagged) -> Result<(Partition, Partit
             let kind = fill.map_or("unlabelled", |label| kind(label, model));
             *report.pieces.entry(kind).or_default() += count;
         }
-        report.largest_displacement =
-            report.largest_displacement.max(merged.slab.simple.displacement * lattice.step());
+        report.largest_displacement = report.largest_displacement.max(merged.displacement * lattice.step());
         for (label, joined) in merged.joined {
             if let cells::Label::Air(element) = label {
                 *slivers.entry(element).or_default() += joined.volume * lattice.step().powi(3);
@@ -223,6 +221,8 @@ fn raw_slab(
 /// A slab cut into prisms, and what was done to it.
 struct Merged {
     slab: Built,
+    /// No edge was moved farther in the plan, lattice units: by rounding, and then by what makes it straight.
+    displacement: f64,
     /// Thin air joined to rooms.
     joined: Vec<(cells::Label, Joined)>,
     /// Intervals over the triangles of the plan before merging, by what fills them.
@@ -243,6 +243,8 @@ fn merge_slab(
     }
     let mut simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
     simple.displacement += unkink::unkink(&mut simple);
+    let displacement = raw.displacement + simple.displacement;
     let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
-    Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces })
+    let slab = Built { simple, regions, planes: raw.columns.planes };
+    Ok(Merged { slab, displacement, joined, pieces })
 }

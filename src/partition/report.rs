@@ -41,7 +41,7 @@ pub struct PartitionReport {
     pub slivers_volume: f64,
     /// The same by room: path of the element, cubic metres.
     pub slivers: Vec<(String, f64)>,
-    /// The farthest that rounding and straightening moved a point in the plan.
+    /// Rounding and straightening together moved no edge farther in the plan, metres.
     pub largest_displacement: f64,
     /// What makes the surfaces between air and matter.
     #[serde(skip)]

@@ -1,1 +1,54 @@
+//! Random buildings of which something was not right once, made as small as they would go.
 
+use enfilade::importers::Semantic::{self, Room, Wall};
+
+use crate::building::{Building, Defect, Piece, Relation};
+use crate::findings;
+use crate::solids::Shape;
+use crate::space::Finding;
+
+/// Half a lattice unit.
+const HALF_UNIT: f64 = 0.5 / 65536.0;
+
+/// Nothing is found whatever points and rays are tried, of some that showed it.
+fn is_right(pieces: Vec<Piece>) {
+    let building = Building { pieces, scale: 1.0, at: [0.0; 3] };
+    for seed in 0..40 {
+        let found = findings(&building, seed);
+        assert!(found.is_empty(), "{seed}: {}", found.iter().map(Finding::to_string).collect::<String>());
+    }
+}
+
+/// Stands at the origin.
+fn piece(semantic: Semantic, shape: Shape, size: [f64; 3]) -> Piece {
+    let (at, turn, relation, defect) = ([0.0; 3], [0.0; 2], Relation::Free, Defect::None);
+    Piece { semantic, shape, size, at, turn, relation, other: 0, axis: 0, defect }
+}
+
+/// Stands to the `other`-th before it, counted from 0.
+fn beside(piece: Piece, relation: Relation, other: usize, axis: usize) -> Piece {
+    Piece { relation, other, axis, ..piece }
+}
+
+/// A cube of a quarter of a metre.
+fn cube() -> Piece {
+    piece(Wall, Shape::Box, [0.25; 3])
+}
+
+/// Slivers of four units beside a turned wall, of points each moved by nearly as much: wider than a fixed limit.
+#[test]
+fn slivers_are_as_wide_as_rounding_makes_them() {
+    let wedge = piece(Room, Shape::Wedge, [0.75, 0.1, 4.0]);
+    is_right(vec![
+        Piece {
+            at: [0.6000000000000001, 0.0, 2.8000000000000003],
+            turn: [82.09403757230912, 0.0],
+            relation: Relation::Coplanar(HALF_UNIT, 0.0),
+            ..wedge
+        },
+        beside(cube(), Relation::Nested, 0, 0),
+        beside(cube(), Relation::Gap(HALF_UNIT), 0, 0),
+        beside(piece(Wall, Shape::LyingU, [0.25; 3]), Relation::Face, 1, 1),
+        Piece { at: [0.0, 0.0, 0.5], ..piece(Wall, Shape::Box, [0.25, 3.4167350060508572, 4.353520581902193]) },
+    ]);
+}

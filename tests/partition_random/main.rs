@@ -45,7 +45,7 @@ fn findings(building: &Building, seed: u64) -> Vec<Finding> {
         Err(error) => return vec![Finding { kind: "error", text: error.to_string() }],
     };
     let space = Space::new(&partition);
-    let mut findings = structure::check(&space);
+    let mut findings = structure::check(&space, report.largest_displacement / partition.lattice.step());
     let mut random = Random::new(seed);
     let meshes = Meshes::new(&model, &partition, &report, &mut random);
     findings.extend(points::check(&space, &meshes, &mut random));
