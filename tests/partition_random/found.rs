@@ -1,6 +1,6 @@
 //! Random buildings of which something was not right once, made as small as they would go.
 
-use enfilade::importers::Semantic::{self, Room, Wall};
+use enfilade::importers::Semantic::{self, Door, Room, Wall};
 
 use crate::building::{Building, Defect, Piece, Relation};
 use crate::findings;
@@ -50,5 +50,28 @@ fn slivers_are_as_wide_as_rounding_makes_them() {
         beside(cube(), Relation::Gap(HALF_UNIT), 0, 0),
         beside(piece(Wall, Shape::LyingU, [0.25; 3]), Relation::Face, 1, 1),
         Piece { at: [0.0, 0.0, 0.5], ..piece(Wall, Shape::Box, [0.25, 3.4167350060508572, 4.353520581902193]) },
+    ]);
+}
+
+/// A long sliver beside a room that leans by 45 degrees was told near it by the middle of its height: its end, a metre
+/// above the room, became the room's.
+#[test]
+fn slivers_join_rooms_only_where_they_are_near() {
+    let turn = [1e-6f64.to_degrees(), 0.0];
+    let wedge = piece(Wall, Shape::Wedge, [0.25, 0.25, 2.9000000000000004]);
+    let gable = piece(Door, Shape::SteepGable(0.0001), [0.25, 1.0, 3.966944116473175]);
+    is_right(vec![
+        Piece { turn, ..piece(Wall, Shape::Box, [0.25, 0.25, 0.1]) },
+        Piece {
+            at: [5.1000000000000005, 4.6000000000000005, 5.894744063157812],
+            turn,
+            relation: Relation::Coplanar(HALF_UNIT, 0.0),
+            ..wedge
+        },
+        Piece { at: [0.0, 3.5, 0.25], turn: [0.0, 45.0], ..gable },
+        cube(),
+        beside(piece(Room, Shape::Steep(0.0001), [0.1, 0.25, 0.25]), Relation::Face, 1, 0),
+        cube(),
+        cube(),
     ]);
 }
