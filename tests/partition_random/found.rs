@@ -75,3 +75,18 @@ fn slivers_join_rooms_only_where_they_are_near() {
         cube(),
     ]);
 }
+
+/// Where planes cross over a side, what lies below its next face is not bounded by the straight line between the higher of
+/// their ends: faces were left out.
+#[test]
+fn sides_have_all_faces_where_planes_cross() {
+    let wedge = piece(Room, Shape::Wedge, [2.75, 1.75, 3.5]);
+    let slab = piece(Wall, Shape::Box, [4.753499618874762, 3.1, 0.25]);
+    is_right(vec![
+        Piece { at: [3.0, 4.25, 4.57475795773778], relation: Relation::Coplanar(0.0005, 0.0), ..wedge },
+        beside(piece(Room, Shape::Tilted(0.0001), [0.25; 3]), Relation::Nested, 0, 0),
+        beside(piece(Wall, Shape::Gable, [0.25; 3]), Relation::NestedFace, 7, 0),
+        Piece { at: [0.8, 0.5, 0.0], ..piece(Room, Shape::Box, [0.25; 3]) },
+        Piece { at: [2.2, 1.75, 3.75], turn: [131.68053475853242, 90.0 + 1e-6f64.to_degrees()], ..slab },
+    ]);
+}
