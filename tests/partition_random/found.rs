@@ -49,7 +49,10 @@ fn slivers_are_as_wide_as_rounding_makes_them() {
         beside(cube(), Relation::Nested, 0, 0),
         beside(cube(), Relation::Gap(HALF_UNIT), 0, 0),
         beside(piece(Wall, Shape::LyingU, [0.25; 3]), Relation::Face, 1, 1),
-        Piece { at: [0.0, 0.0, 0.5], ..piece(Wall, Shape::Box, [0.25, 3.4167350060508572, 4.353520581902193]) },
+        Piece {
+            at: [0.0, 0.0, 0.5],
+            ..piece(Wall, Shape::Box, [0.25, 3.4167350060508572, 4.353520581902193])
+        },
     ]);
 }
 
