@@ -153,19 +153,18 @@ impl<'a> Sides<'a> {
         };
         // Upwards, all that has some of the side. Planes may cross over the edge.
         let mut faces: Vec<Face> = Vec::new();
-        let mut low = floor;
+        let mut lows = vec![floor];
         for (k, there) in stack.iter().enumerate() {
             let high = heights(there.ceiling);
             let is_last = k + 1 == stack.len() || (0..2).all(|end| high[end] >= ceiling[end]);
-            if reaches([low, low], [high, ceiling]) || (is_last && faces.is_empty()) {
+            if reaches(&lows, [high, ceiling]) || (is_last && faces.is_empty()) {
                 let top = if is_last { NONE } else { planes[there.ceiling as usize] };
                 faces.push(Face { top, cover: Cover { cell: cell(k), source: NONE } });
             }
             if is_last {
                 break;
             }
-            // Where roundings have a ceiling below its floor, the item takes nothing from the next.
-            low = [0, 1].map(|end| low[end].max(high[end]));
+            raise(&mut lows, high);
         }
         if let Some(last) = faces.last_mut() {
             last.top = NONE;
@@ -201,13 +200,23 @@ fn heights(plane: &Plane, ends: [Point; 2]) -> Heights {
     ends.map(|end| i128::from(plane.height(end)))
 }
 
-/// Whether somewhere over an edge both of `low` lie below both of `high`, all of them linear along it.
-fn reaches(low: [Heights; 2], high: [Heights; 2]) -> bool {
-    let rises = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(l, h)| [0, 1].map(|end| high[h][end] - low[l][end]));
+/// Adds one to the heights above which the next part of a side lies. Where roundings have a ceiling below its floor, an item
+/// takes nothing from the next: the heights before count on, unless they lie below the new one all along.
+fn raise(lows: &mut Vec<Heights>, high: Heights) {
+    lows.retain(|low| (0..2).any(|end| low[end] > high[end]));
+    if lows.iter().all(|low| (0..2).any(|end| low[end] < high[end])) {
+        lows.push(high);
+    }
+}
+
+/// Whether somewhere over an edge all of `lows` lie below both of `highs`, all of them linear along it.
+fn reaches(lows: &[Heights], highs: [Heights; 2]) -> bool {
+    let rise = |low: &Heights, high: &Heights| [0, 1].map(|end| high[end] - low[end]);
+    let rises = || highs.iter().flat_map(|high| lows.iter().map(move |low| rise(low, high)));
     // Each is positive on a part of the edge that holds one end; parts that have something in common two by two have
     // something in common all together.
-    rises.iter().all(|u| {
-        rises.iter().all(|v| {
+    rises().all(|u| {
+        rises().all(|v| {
             let both = |end: usize| u[end] > 0 && v[end] > 0;
             let between = |from: usize, to: usize| {
                 // u is positive from one end, v from the other: up to and from where they are 0.
@@ -313,17 +322,17 @@ fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
             let ends = [section.start, sections[(i + 1) % sections.len()].start];
             let [floor, ceiling] =
                 [cell.floor, cell.ceiling].map(|plane| heights(&partition.planes[plane as usize], ends));
-            let mut low = floor;
+            let mut lows = vec![floor];
             for face in &partition.faces[section.faces.start as usize..section.faces.end as usize] {
                 let high = match face.top {
                     NONE => ceiling,
                     top => heights(&partition.planes[top as usize], ends),
                 };
                 // Not where they touch by an edge alone.
-                if reaches([low, low], [high, ceiling]) {
+                if reaches(&lows, [high, ceiling]) {
                     all.push(face.cover.cell);
                 }
-                low = [0, 1].map(|end| low[end].max(high[end]));
+                raise(&mut lows, high);
             }
         }
         all

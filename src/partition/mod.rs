@@ -189,6 +189,7 @@ pub fn partition(
         }
         straightened.join(merged.slab.simple.straightened);
         unkinked.join(merged.unkinked);
+        report.largest_displacement = report.largest_displacement.max(merged.displacement * lattice.step());
         for (label, joined) in merged.joined {
             if let cells::Label::Air(element) = label {
                 *slivers.entry(element).or_default() += joined.volume * lattice.step().powi(3);
@@ -196,8 +197,6 @@ pub fn partition(
         }
         slabs.push(merged.slab);
     }
-    report.largest_displacement =
-        rounded.farthest.max(straightened.farthest + unkinked.farthest) * lattice.step();
     report.repairs.extend([
         rounded.repair("edges led around points, where crossings were rounded", &lattice),
         straightened.repair("points left out of edges that are nearly straight", &lattice),
@@ -320,6 +319,8 @@ fn raw_slab(
 /// A slab cut into prisms, and what was done to it.
 struct Merged {
     slab: Built,
+    /// No edge was moved farther in the plan, lattice units: by rounding, and then by what makes it straight.
+    displacement: f64,
     /// Thin air joined to rooms.
     joined: Vec<(cells::Label, Joined)>,
     /// Intervals over the triangles of the plan before merging, by what fills them.
@@ -341,6 +342,8 @@ fn merge_slab(
     }
     let mut simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
     let unkinked = unkink::unkink(&mut simple);
+    let displacement = raw.rounded.farthest + simple.straightened.farthest + unkinked.farthest;
     let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
-    Ok(Merged { slab: Built { simple, regions, planes: raw.columns.planes }, joined, pieces, unkinked })
+    let slab = Built { simple, regions, planes: raw.columns.planes };
+    Ok(Merged { slab, displacement, joined, pieces, unkinked })
 }

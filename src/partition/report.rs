@@ -47,7 +47,7 @@ pub struct PartitionReport {
     pub slivers: Vec<(String, f64)>,
     /// What was rounded, straightened and made level, how often and how far.
     pub repairs: Vec<Repair>,
-    /// The farthest that rounding to the lattice's crossings and straightening moved a point in the plan.
+    /// Rounding and straightening together moved no edge farther in the plan, metres.
     pub largest_displacement: f64,
     /// How much of what rays can meet is detail.
     pub detail: DetailShare,

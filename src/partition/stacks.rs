@@ -5,7 +5,7 @@
 //! cells end on the surfaces themselves.
 
 use super::cells::Label;
-use super::columns::Columns;
+use super::columns::{Columns, Interval};
 use super::labels::{Labels, volume};
 use super::plan::{NONE, Plan};
 use crate::lattice::{FINE, Lattice, Point, double_area};
@@ -264,24 +264,29 @@ impl Joiner<'_> {
         points.into_iter().all(|p| self.is_near(t, p, item, label))
     }
 
-    /// Whether what was a room's before, at the heights of an item over `t`, lies near a point of `t`.
+    /// Whether what was a room's before lies near all of an item that stands over a point of `t`.
     fn is_near(&mut self, t: u32, p: [f64; 2], item: Item, label: Label) -> bool {
-        let [low, high] = [item.floor, item.ceiling].map(|plane| self.height(t, plane));
+        let height = |plane: u32, at: [f64; 2]| self.columns.planes[plane as usize].height_f64(at[0], at[1]);
+        let [low, high] = [item.floor, item.ceiling].map(|plane| height(plane, p));
         self.seen.clear();
         self.seen.push(t);
         let mut next = 0;
         while next < self.seen.len().min(MOST_LOOKED_AT) {
             let here = self.seen[next];
             next += 1;
-            let is_room = self.columns.stack(here).iter().any(|interval| {
-                self.fills[interval.set as usize] == Some(label)
-                    && self.height(here, interval.floor) < high
-                    && self.height(here, interval.ceiling) > low
+            let corners = self.plan.corners(here);
+            let is_rooms = |interval: &Interval| self.fills[interval.set as usize] == Some(label);
+            let mut parts = self.columns.stack(here).chunk_by(|a, b| is_rooms(a) == is_rooms(b));
+            // Heights may differ much over a triangle: those at the place next to the point count.
+            let nearest = nearest(corners, p);
+            let is_room = parts.any(|part| {
+                is_rooms(&part[0])
+                    && height(part[0].floor, nearest) < low + self.thin
+                    && height(part[part.len() - 1].ceiling, nearest) > high - self.thin
             });
             if is_room {
                 return true;
             }
-            let corners = self.plan.corners(here);
             for i in 0..3 {
                 let other = self.plan.across[here as usize][i];
                 if other != NONE
@@ -301,13 +306,34 @@ const UNIT: f64 = 1.0;
 /// Triangles looked at around a point: where there are more within a few centimetres, nothing is joined.
 const MOST_LOOKED_AT: usize = 256;
 
-/// The distance of a point from a segment.
-fn distance(a: Point, b: Point, p: [f64; 2]) -> f64 {
+/// The point of a segment next to another.
+fn nearest_on(a: Point, b: Point, p: [f64; 2]) -> [f64; 2] {
     let (ax, ay) = (f64::from(a.x), f64::from(a.y));
     let (dx, dy) = (f64::from(b.x) - ax, f64::from(b.y) - ay);
     let along = ((p[0] - ax) * dx + (p[1] - ay) * dy) / (dx * dx + dy * dy);
     let along = along.clamp(0.0, 1.0);
-    (p[0] - ax - along * dx).hypot(p[1] - ay - along * dy)
+    [ax + along * dx, ay + along * dy]
+}
+
+/// The distance of a point from a segment.
+fn distance(a: Point, b: Point, p: [f64; 2]) -> f64 {
+    let [x, y] = nearest_on(a, b, p);
+    (p[0] - x).hypot(p[1] - y)
+}
+
+/// The point of a counter-clockwise triangle next to another.
+fn nearest(corners: [Point; 3], p: [f64; 2]) -> [f64; 2] {
+    let side = |a: Point, b: Point| {
+        let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
+        dx * (p[1] - f64::from(a.y)) - dy * (p[0] - f64::from(a.x))
+    };
+    let sides = [0, 1, 2].map(|i| (corners[i], corners[(i + 1) % 3]));
+    if sides.iter().all(|&(a, b)| side(a, b) >= 0.0) {
+        return p;
+    }
+    let on = sides.map(|(a, b)| nearest_on(a, b, p));
+    let off = |q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    on.into_iter().min_by(|q, r| off(q).total_cmp(&off(r))).unwrap_or(p)
 }
 
 /// Makes neighbours of one fill one.

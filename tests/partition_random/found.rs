@@ -1,1 +1,95 @@
+//! Random buildings of which something was not right once, made as small as they would go.
 
+use enfilade::importers::Semantic::{self, Door, Room, Wall};
+
+use crate::building::{Building, Defect, Piece, Relation};
+use crate::findings;
+use crate::solids::Shape;
+use crate::space::Finding;
+
+/// Half a lattice unit.
+const HALF_UNIT: f64 = 0.5 / 65536.0;
+
+/// Nothing is found whatever points and rays are tried, of some that showed it.
+fn is_right(pieces: Vec<Piece>) {
+    let building = Building { pieces, scale: 1.0, at: [0.0; 3] };
+    for seed in 0..40 {
+        let found = findings(&building, seed);
+        assert!(found.is_empty(), "{seed}: {}", found.iter().map(Finding::to_string).collect::<String>());
+    }
+}
+
+/// Stands at the origin.
+fn piece(semantic: Semantic, shape: Shape, size: [f64; 3]) -> Piece {
+    let (at, turn, relation, defect) = ([0.0; 3], [0.0; 2], Relation::Free, Defect::None);
+    Piece { semantic, shape, size, at, turn, relation, other: 0, axis: 0, defect }
+}
+
+/// Stands to the `other`-th before it, counted from 0.
+fn beside(piece: Piece, relation: Relation, other: usize, axis: usize) -> Piece {
+    Piece { relation, other, axis, ..piece }
+}
+
+/// A cube of a quarter of a metre.
+fn cube() -> Piece {
+    piece(Wall, Shape::Box, [0.25; 3])
+}
+
+/// Slivers of four units beside a turned wall, of points each moved by nearly as much: wider than a fixed limit.
+#[test]
+fn slivers_are_as_wide_as_rounding_makes_them() {
+    let wedge = piece(Room, Shape::Wedge, [0.75, 0.1, 4.0]);
+    is_right(vec![
+        Piece {
+            at: [0.6000000000000001, 0.0, 2.8000000000000003],
+            turn: [82.09403757230912, 0.0],
+            relation: Relation::Coplanar(HALF_UNIT, 0.0),
+            ..wedge
+        },
+        beside(cube(), Relation::Nested, 0, 0),
+        beside(cube(), Relation::Gap(HALF_UNIT), 0, 0),
+        beside(piece(Wall, Shape::LyingU, [0.25; 3]), Relation::Face, 1, 1),
+        Piece {
+            at: [0.0, 0.0, 0.5],
+            ..piece(Wall, Shape::Box, [0.25, 3.4167350060508572, 4.353520581902193])
+        },
+    ]);
+}
+
+/// A long sliver beside a room that leans by 45 degrees was told near it by the middle of its height: its end, a metre
+/// above the room, became the room's.
+#[test]
+fn slivers_join_rooms_only_where_they_are_near() {
+    let turn = [1e-6f64.to_degrees(), 0.0];
+    let wedge = piece(Wall, Shape::Wedge, [0.25, 0.25, 2.9000000000000004]);
+    let gable = piece(Door, Shape::SteepGable(0.0001), [0.25, 1.0, 3.966944116473175]);
+    is_right(vec![
+        Piece { turn, ..piece(Wall, Shape::Box, [0.25, 0.25, 0.1]) },
+        Piece {
+            at: [5.1000000000000005, 4.6000000000000005, 5.894744063157812],
+            turn,
+            relation: Relation::Coplanar(HALF_UNIT, 0.0),
+            ..wedge
+        },
+        Piece { at: [0.0, 3.5, 0.25], turn: [0.0, 45.0], ..gable },
+        cube(),
+        beside(piece(Room, Shape::Steep(0.0001), [0.1, 0.25, 0.25]), Relation::Face, 1, 0),
+        cube(),
+        cube(),
+    ]);
+}
+
+/// Where planes cross over a side, what lies below its next face is not bounded by the straight line between the higher of
+/// their ends: faces were left out.
+#[test]
+fn sides_have_all_faces_where_planes_cross() {
+    let wedge = piece(Room, Shape::Wedge, [2.75, 1.75, 3.5]);
+    let slab = piece(Wall, Shape::Box, [4.753499618874762, 3.1, 0.25]);
+    is_right(vec![
+        Piece { at: [3.0, 4.25, 4.57475795773778], relation: Relation::Coplanar(0.0005, 0.0), ..wedge },
+        beside(piece(Room, Shape::Tilted(0.0001), [0.25; 3]), Relation::Nested, 0, 0),
+        beside(piece(Wall, Shape::Gable, [0.25; 3]), Relation::NestedFace, 7, 0),
+        Piece { at: [0.8, 0.5, 0.0], ..piece(Room, Shape::Box, [0.25; 3]) },
+        Piece { at: [2.2, 1.75, 3.75], turn: [131.68053475853242, 90.0 + 1e-6f64.to_degrees()], ..slab },
+    ]);
+}

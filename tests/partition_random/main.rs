@@ -34,8 +34,9 @@ fn cases(few: u32) -> ProptestConfig {
     }
 }
 
-/// Not yet 600: of so many random buildings one or another has a label beside its surface by more than the margin.
-const FEW: u32 = 25;
+/// Some seconds. Before the last mends one building in some two thousand was found with something wrong: a change of the
+/// partition is to be tried with ten thousand.
+const FEW: u32 = 600;
 
 /// All that is wrong with the partition of a building.
 fn findings(building: &Building, seed: u64) -> Vec<Finding> {
@@ -45,7 +46,7 @@ fn findings(building: &Building, seed: u64) -> Vec<Finding> {
         Err(error) => return vec![Finding { kind: "error", text: error.to_string() }],
     };
     let space = Space::new(&partition);
-    let mut findings = structure::check(&space);
+    let mut findings = structure::check(&space, report.largest_displacement / partition.lattice.step());
     let mut random = Random::new(seed);
     let meshes = Meshes::new(&model, &partition, &report, &mut random);
     findings.extend(points::check(&space, &meshes, &mut random));

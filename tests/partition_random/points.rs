@@ -50,13 +50,25 @@ pub fn at(
         .filter(|(_, d)| *d > -BORDER)
         .collect();
     let inside: Vec<usize> = depths.iter().filter(|(_, d)| *d > BORDER).map(|(c, _)| *c).collect();
-    if depths.is_empty() {
+    // The hull stands along the lattice: the box of an element along the model's axes may reach beyond it.
+    let in_hull = space.depth_in_hull(local);
+    if depths.is_empty() && in_hull > -BORDER {
         find("no cell", format!("{local:?}"));
+    }
+    if !inside.is_empty() && in_hull < 0.0 {
+        find("beyond the hull", format!("{local:?}: {inside:?}, {} units", -in_hull));
     }
     if inside.len() > 1 {
         find("cells overlap", format!("{local:?}: {inside:?}"));
     }
-    let [cell] = inside[..] else { return };
+    let found = match inside[..] {
+        [cell] => match space.cell(cell).label {
+            Label::Void => Label::Exterior,
+            label => label,
+        },
+        [] if in_hull < -BORDER => Label::Exterior,
+        _ => return,
+    };
     let lattice = &space.partition.lattice;
     let p = lattice.metres(local);
     let distance = meshes.distance(p);
@@ -67,15 +79,11 @@ pub fn at(
     if expected.is_empty() {
         return;
     }
-    let found = match space.cell(cell).label {
-        Label::Void => Label::Exterior,
-        label => label,
-    };
     if expected.contains(&found) {
         return;
     }
     let text =
-        || format!("{local:?}, {distance} m from surfaces, cell {cell}: {found:?}, expected {expected:?}");
+        || format!("{local:?}, {distance} m from surfaces, in {inside:?}: {found:?}, expected {expected:?}");
     match found {
         // A gap beside a room is the room's.
         Label::Air(e) if expected == [Label::Exterior] && meshes.is_room(e) => {

@@ -6,12 +6,12 @@ use enfilade::lattice::{FINE, Point};
 use enfilade::partition::cells::NONE;
 
 use crate::space::{Find, Space, cosine};
-use crate::structure::{NARROW, most_inverted, width};
+use crate::structure::{most_inverted, width};
 
-/// Checks the sides of all cells.
-pub fn check(space: &Space<'_>, find: Find<'_>) {
+/// Checks the sides of all cells; what is no wider than `narrow` units is rounding.
+pub fn check(space: &Space<'_>, narrow: f64, find: Find<'_>) {
     let areas = areas(space, find);
-    let near_splinter = near_splinters(space);
+    let near_splinter = near_splinters(space, narrow);
     for (&(a, b), there) in &areas {
         let back = &areas[&(b, a)];
         let slack = there.slack.max(back.slack);
@@ -114,10 +114,10 @@ pub fn area_between(lows: &[[f64; 2]], highs: &[[f64; 2]]) -> f64 {
 }
 
 /// For each cell whether it, or one that it touches, is so thin that roundings are as large as it.
-fn near_splinters(space: &Space<'_>) -> Vec<bool> {
+fn near_splinters(space: &Space<'_>, narrow: f64) -> Vec<bool> {
     let is_splinter = |c: usize| {
         let points = space.footprints[c].iter().map(|p| [f64::from(p.x), f64::from(p.y)]);
-        width(&points.collect::<Vec<_>>()) < NARROW
+        width(&points.collect::<Vec<_>>()) <= narrow
     };
     let splinters: Vec<bool> = (0..space.footprints.len()).map(is_splinter).collect();
     let is_near = |c: usize| {

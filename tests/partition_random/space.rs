@@ -103,6 +103,12 @@ impl<'a> Space<'a> {
         depth.min(over(self.plane(cell.floor))).min(-over(self.plane(cell.ceiling)))
     }
 
+    /// How far inside of the hull a point lies, lattice units; less than nothing outside.
+    pub fn depth_in_hull(&self, p: [f64; 3]) -> f64 {
+        let [lo, hi] = self.partition.hull.map(|end| end.map(f64::from));
+        (0..3).map(|i| (p[i] - lo[i]).min(hi[i] - p[i])).fold(f64::INFINITY, f64::min)
+    }
+
     /// A point of the model in lattice units.
     pub fn local(&self, p: [f64; 3]) -> [f64; 3] {
         self.partition.lattice.local(p)

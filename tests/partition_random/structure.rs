@@ -8,14 +8,14 @@ use enfilade::partition::cells::{Label, NONE};
 use crate::sides;
 use crate::space::{Find, Finding, Space, cosine};
 
-/// All of it.
-pub fn check(space: &Space<'_>) -> Vec<Finding> {
+/// All of it; the partition says that it moved points of the plan by up to `moved` lattice units.
+pub fn check(space: &Space<'_>, moved: f64) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut find = |kind, text| findings.push(Finding { kind, text });
     volume(space, &mut find);
     footprints(space, &mut find);
-    heights(space, &mut find);
-    sides::check(space, &mut find);
+    heights(space, narrow(moved), &mut find);
+    sides::check(space, narrow(moved), &mut find);
     floors(space, &mut find);
     exterior(space, &mut find);
     findings
@@ -48,9 +48,9 @@ fn footprints(space: &Space<'_>, find: Find<'_>) {
 }
 
 /// Ceilings lie above floors, but for roundings.
-fn heights(space: &Space<'_>, find: Find<'_>) {
+fn heights(space: &Space<'_>, narrow: f64, find: Find<'_>) {
     for c in 0..space.footprints.len() {
-        if let Some(text) = inversion(space, c) {
+        if let Some(text) = inversion(space, c, narrow) {
             find("inverted", format!("cell {c} ({:?}): {text}", space.cell(c).label));
         }
     }
@@ -63,11 +63,14 @@ pub fn most_inverted(space: &Space<'_>) -> f64 {
     2.0 + space.partition.lattice.steps(0.5e-3)
 }
 
-/// Units: what is narrower than this is rounding. Twice what rounding the plan moves on both sides.
-pub const NARROW: f64 = 4.0;
+/// Units: what is no wider than this is rounding. Two lines that were one have come apart by no more, where points are
+/// rounded to the lattice and then moved by up to `moved` units, each to its side.
+fn narrow(moved: f64) -> f64 {
+    2.0 * (std::f64::consts::FRAC_1_SQRT_2 + moved)
+}
 
 /// How a cell's ceiling lies too far below its floor: over a part of the footprint that is wider than roundings are.
-fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
+fn inversion(space: &Space<'_>, c: usize, narrow: f64) -> Option<String> {
     let (cell, footprint) = (space.cell(c), &space.footprints[c]);
     let (floor, ceiling) = (space.plane(cell.floor), space.plane(cell.ceiling));
     let cosine = cosine(floor).min(cosine(ceiling));
@@ -90,25 +93,24 @@ fn inversion(space: &Space<'_>, c: usize) -> Option<String> {
         }
     }
     let width = width(&part);
-    (width > NARROW).then(|| {
+    (width > narrow).then(|| {
         let across = least * cosine;
         format!("ceiling {least} units below floor, {across} across, {width} wide; {footprint:?} {floor:?} {ceiling:?}")
     })
 }
 
-/// Twice the area by the longest side or diagonal: between the least width of a convex polygon and twice it.
+/// The distance of the closest parallel lines between which a convex polygon fits.
 pub fn width(polygon: &[[f64; 2]]) -> f64 {
     let n = polygon.len();
-    let cross = |p: [f64; 2], q: [f64; 2]| {
-        let o = polygon[0];
-        (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0])
+    let across = |i: usize| {
+        let (a, b) = (polygon[i], polygon[(i + 1) % n]);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        let off = |p: &[f64; 2]| (dx * (p[1] - a[1]) - dy * (p[0] - a[0])).abs() / length;
+        (length > 0.0).then(|| polygon.iter().map(off).fold(0.0, f64::max))
     };
-    let area: f64 = (0..n).map(|i| cross(polygon[i], polygon[(i + 1) % n])).sum();
-    let longest = polygon
-        .iter()
-        .flat_map(|p| polygon.iter().map(move |q| (p[0] - q[0]).hypot(p[1] - q[1])))
-        .fold(0.0, f64::max);
-    if longest > 0.0 { area / longest } else { 0.0 }
+    let width = (0..n).filter_map(across).fold(f64::INFINITY, f64::min);
+    if width.is_finite() { width } else { 0.0 }
 }
 
 /// Floors and ceilings lie on each other without gaps.
