@@ -5,6 +5,8 @@
 //!   a roof and the attic under it share one plane.
 //! - One that is so steep that it runs no farther than two millimetres is a *sheet*: it is replaced by a level piece at
 //!   its lower or upper edge, so that matter shrinks and labels grow. Its own plane would explode on strips one unit wide.
+//!   So is one steeper than planes can be ([`Plane::STEEPEST`]): where it rises by more than 8 m, by more than those two
+//!   millimetres, up to 5 cm over 200 m.
 //!   One that *leans* on a sloped face, as a gable does, is replaced by a piece along that slope.
 //! - A *vertical* one has no area in the plan. It only closes what roundings part, and is treated as a sheet for that.
 
