@@ -72,11 +72,11 @@ impl Net {
             start = end;
         }
         let mut net = Net { points, boundary, diagonals: Vec::new() };
-        net.draw_diagonals(&first.into_values().collect::<Vec<_>>());
+        net.draw_diagonals(&first.into_values().collect::<Vec<_>>(), loops.len());
         net
     }
 
-    fn draw_diagonals(&mut self, corners: &[usize]) {
+    fn draw_diagonals(&mut self, corners: &[usize], loops: usize) {
         let mut candidates = Vec::new();
         for (k, &a) in corners.iter().enumerate() {
             for &b in &corners[k + 1..] {
@@ -85,7 +85,12 @@ impl Net {
             }
         }
         candidates.sort_unstable();
+        // By Euler's formula: with more, some would cross.
+        let all = (3 * (corners.len() + loops)).saturating_sub(6 + 2 * self.boundary.len());
         for (_, candidate) in candidates {
+            if self.diagonals.len() == all {
+                break;
+            }
             if self.is_free(candidate, corners) {
                 self.diagonals.push(candidate);
             }
@@ -109,6 +114,10 @@ impl Net {
         };
         let crosses = |&[c, d]: &[usize; 2]| {
             let (r, s) = (self.points[c], self.points[d]);
+            // Most lie apart, or touch at most.
+            if (0..2).any(|i| r[i].max(s[i]) <= p[i].min(q[i]) || r[i].min(s[i]) >= p[i].max(q[i])) {
+                return false;
+            }
             let side = |x: [i64; 2], y: [i64; 2], z: [i64; 2]| cross(sub(y, x), sub(z, x)).signum();
             side(p, q, r) * side(p, q, s) < 0 && side(r, s, p) * side(r, s, q) < 0
         };
