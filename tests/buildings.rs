@@ -1,8 +1,13 @@
 //! Real buildings, from the reader's own folder of models: `ENFILADE_BUILDINGS`.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use enfilade::importers::{Frame, ImportOptions, Model, Untagged, import};
+use enfilade::components::components;
+use enfilade::importers::{ElementId, Frame, ImportOptions, Model, Role, Semantic, Untagged, import};
+use enfilade::oracle::{Truth, TruthOptions};
+use enfilade::partition::cells::{Label, Partition};
+use enfilade::partition::{PartitionOptions, partition};
 use enfilade::roles::roles;
 use enfilade::verify::MOST_EXCUSED;
 use enfilade::{CompileOptions, Hit, Place, Ray, Scene, VerifyOptions, Want, compile, verify};
@@ -144,4 +149,129 @@ fn rays(plain: &Scene, far: &Scene, root: &[[f64; 4]; 3]) -> (Vec<Ray>, Vec<Ray>
         ));
     }
     (rays, moved)
+}
+
+/// Points of a room that are looked up.
+const POINTS: usize = 1000;
+
+/// What fills a point is what the meshes say: matter where a solid is, else the smallest room, or an opening that wins over
+/// it. Thin air between rooms and matter may be either.
+#[test]
+fn cells_hold_what_the_meshes_say() {
+    for path in models().unwrap_or_default() {
+        let model = load(&path);
+        let (partition, report) = partition(&model, &PartitionOptions::default()).unwrap();
+        let roles = roles(&model, Untagged::default());
+        let with = |role: &dyn Fn(ElementId) -> bool| {
+            let of = |e: ElementId| if role(e) { Role::Solid } else { Role::Ignore };
+            Truth::new(&model, of, &TruthOptions::default())
+        };
+        let solids = with(&|e| roles[e.0 as usize] == Role::Solid);
+        let rooms = with(&|e| model.elements[e.0 as usize].semantic == Semantic::Room);
+        // Of these, cells may say more or less than the meshes: what is open was mended, or is detail.
+        let not_carved: BTreeSet<&str> =
+            report.not_carved_elements.iter().map(|(path, _)| path.as_str()).collect();
+        let is_doubtful = |e: ElementId| {
+            let element = &model.elements[e.0 as usize];
+            not_carved.contains(element.path.as_str())
+                || components(&element.mesh).iter().any(|component| !component.closed)
+        };
+        let volume = |e: ElementId| {
+            let parts = components(&model.elements[e.0 as usize].mesh);
+            parts.iter().map(|component| component.signed_volume).sum::<f64>().abs()
+        };
+        let finder = Finder::new(&partition);
+        let mut random = enfilade_testing::Random::new(1);
+        let (mut tried, mut wrong) = (0, 0);
+        for (index, element) in model.elements.iter().enumerate() {
+            let room = ElementId(index as u32);
+            let (size, doubtful) = (volume(room), is_doubtful(room));
+            if element.semantic != Semantic::Room || doubtful || size < 1e-3 {
+                continue;
+            }
+            assert!(
+                partition.cells.iter().any(|cell| cell.label == Label::Air(room)),
+                "{}: no cell of {}",
+                path.display(),
+                element.path
+            );
+            let [lo, hi] = bounds(&element.mesh.positions);
+            let mut off = Vec::new();
+            for _ in 0..POINTS {
+                let point = [0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * random.unit());
+                // A room's box may reach out of the hull, which is turned with the building.
+                let Some(label) = finder.label(point) else { continue };
+                let matter = solids.solids_at(point);
+                let (sure, doubts): (Vec<_>, Vec<_>) = matter.into_iter().partition(|e| !is_doubtful(*e));
+                let smallest =
+                    rooms.solids_at(point).into_iter().min_by(|a, b| volume(*a).total_cmp(&volume(*b)));
+                let is_right = match label {
+                    Label::Solid(e) => !sure.is_empty() || !doubts.is_empty() || is_doubtful(e),
+                    _ if !sure.is_empty() => false,
+                    Label::Air(e) if model.elements[e.0 as usize].semantic != Semantic::Room => true,
+                    Label::Air(e) => smallest.is_none_or(|room| room == e),
+                    _ => smallest.is_none(),
+                };
+                if !is_right {
+                    off.push((point, label));
+                }
+            }
+            // Points within a step of the lattice of a surface.
+            assert!(off.len() <= 2, "{}: {} of {}: {off:?}", path.display(), off.len(), element.path);
+            (tried, wrong) = (tried + POINTS, wrong + off.len());
+        }
+        println!("{}: {tried} points, {wrong} otherwise", path.display());
+        assert!(wrong * 10_000 <= tried, "{}: {wrong} of {tried}", path.display());
+    }
+}
+
+fn bounds(points: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    points.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lo, hi], p| {
+        [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
+    })
+}
+
+/// Looks for cells, one by one, in whole numbers and f64.
+struct Finder<'a> {
+    partition: &'a Partition,
+    /// Of the footprints.
+    boxes: Vec<[[f64; 2]; 2]>,
+}
+
+impl<'a> Finder<'a> {
+    fn new(partition: &'a Partition) -> Finder<'a> {
+        let around = |cell| {
+            let flat = partition.footprint(cell).map(|p| [f64::from(p.x), f64::from(p.y)]);
+            flat.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[lo, hi], p| {
+                [[0, 1].map(|i| lo[i].min(p[i])), [0, 1].map(|i| hi[i].max(p[i]))]
+            })
+        };
+        Finder { partition, boxes: partition.cells.iter().map(around).collect() }
+    }
+
+    /// `None` outside of the hull.
+    fn label(&self, point: [f64; 3]) -> Option<Label> {
+        let [x, y, z] = self.partition.lattice.local(point);
+        let [lo, hi] = self.partition.hull.map(|corner| corner.map(f64::from));
+        if (0..3).any(|i| [x, y, z][i] < lo[i] || [x, y, z][i] > hi[i]) {
+            return None;
+        }
+        let holds = |index: usize| {
+            let cell = &self.partition.cells[index];
+            let height = |plane: u32| self.partition.planes[plane as usize].height_f64(x, y);
+            let corners: Vec<_> = self.partition.footprint(cell).collect();
+            height(cell.floor) <= z
+                && z <= height(cell.ceiling)
+                && corners.iter().zip(corners.iter().cycle().skip(1)).all(|(a, b)| {
+                    let way = [f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y)];
+                    way[0] * (y - f64::from(a.y)) - way[1] * (x - f64::from(a.x)) >= 0.0
+                })
+        };
+        let near = |index: &usize| {
+            let [lo, hi] = self.boxes[*index];
+            lo[0] <= x && x <= hi[0] && lo[1] <= y && y <= hi[1]
+        };
+        let found = (0..self.boxes.len()).filter(near).find(|&index| holds(index));
+        Some(self.partition.cells[found.expect("cells fill the hull")].label)
+    }
 }

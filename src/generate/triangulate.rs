@@ -85,8 +85,9 @@ impl Net {
             }
         }
         candidates.sort_unstable();
-        // By Euler's formula: with more, some would cross.
-        let all = (3 * (corners.len() + loops)).saturating_sub(6 + 2 * self.boundary.len());
+        // By Euler's formula: with more, some would cross. A loop that touches itself or another may shut off one more face.
+        let shut = loops + self.points.len() - corners.len();
+        let all = (3 * (corners.len() + shut)).saturating_sub(6 + 2 * self.boundary.len());
         for (_, candidate) in candidates {
             if self.diagonals.len() == all {
                 break;

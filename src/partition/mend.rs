@@ -12,11 +12,17 @@ use glam::DVec3;
 /// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle.
 const WELD: f64 = 1e-4;
 
-/// Times that edges are split.
-const ROUNDS: usize = 4;
+/// Times that edges are split, each near its middle.
+const ROUNDS: usize = 8;
 
 /// More pairs of open edges and corners are not looked at.
 const MOST_PAIRS: usize = 1 << 24;
+
+/// Meshes of more triangles are left as they are: they have more faces than any volume pays for.
+const MOST_TRIANGLES: usize = 1 << 17;
+
+/// Meshes that reach farther than this are left as they are, metres: they are not of the building.
+const FARTHEST: f64 = 1e5;
 
 /// A mesh with other triangles, each of which is one of the source's or a part of it.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +36,12 @@ pub(super) struct Mended {
 
 /// The triangles `of` a mesh, welded, split where vertices lie on edges, without faces left inside.
 pub(super) fn mend(mesh: &Mesh, of: &[u32]) -> Mended {
+    let corners = of.iter().flat_map(|&t| mesh.corners(t as usize)).flatten();
+    if of.len() > MOST_TRIANGLES || corners.into_iter().any(|c| c.abs() > FARTHEST) {
+        let mut same = Mended { mesh: mesh.clone(), source: of.to_vec(), inner: Vec::new() };
+        same.mesh.triangles = of.iter().map(|&t| mesh.triangles[t as usize]).collect();
+        return same;
+    }
     let mut mended = weld(mesh, of);
     for _ in 0..ROUNDS {
         if !split(&mut mended) {
