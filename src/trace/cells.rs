@@ -18,7 +18,7 @@
 use super::NONE;
 use super::kernel::Probe;
 use super::meet::{Surfaces, is_near};
-use super::path::{Exit, NEAR, Path, Prisms};
+use super::path::{BLURRED, Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
@@ -33,13 +33,13 @@ const AROUND: u32 = 0;
 pub(super) struct Ended {
     pub(super) found: Found,
     pub(super) cell: u32,
-    /// The ray starts in a prism of matter, no air within the tolerance.
+    /// The ray starts in a prism of matter, no air near.
     pub(super) in_matter: bool,
 }
 
 /// The cells cannot tell.
 struct Unsure {
-    /// The ray starts in a prism of matter, no air within the tolerance.
+    /// The ray starts in a prism of matter, no air near.
     in_matter: bool,
 }
 
@@ -114,7 +114,8 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
 
     /// The prism of air at a point.
     fn find(&self, point: DVec3) -> Result<u32, Unsure> {
-        let cell = self.path.prisms.place(point, self.surfaces.tolerance).ok_or(UNSURE)?;
+        // Not as far as the tolerance: what the ray meets may then be off by as much again.
+        let cell = self.path.prisms.place(point, BLURRED.min(self.surfaces.tolerance)).ok_or(UNSURE)?;
         match self.path.prisms.cells[cell as usize].kind {
             CellRecord::AIR => Ok(cell),
             _ => Err(Unsure { in_matter: true }),

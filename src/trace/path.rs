@@ -13,7 +13,7 @@ pub(super) const NEAR: f64 = 1e-9;
 
 /// So far, metres, cells may differ from the model: what the partition's audit lets pass, its straightening, and rounding.
 /// Where a ray passes an edge of a face this near, cells do not tell on which side.
-const BLURRED: f64 = 5e-4;
+pub(super) const BLURRED: f64 = 5e-4;
 
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
