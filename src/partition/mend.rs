@@ -16,7 +16,7 @@ const WELD: f64 = 1e-4;
 const ROUNDS: usize = 8;
 
 /// More pairs of open edges and corners are not looked at.
-const MOST_PAIRS: usize = 1 << 24;
+const MOST_PAIRS: usize = 1 << 20;
 
 /// Meshes of more triangles are left as they are: they have more faces than any volume pays for.
 const MOST_TRIANGLES: usize = 1 << 17;
