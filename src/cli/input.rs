@@ -238,7 +238,6 @@ impl Reading {
         import(path, &self.import_options(resources)?).map_err(Failure::input)
     }
 
-    /// Compiles a model.
     pub fn partition_options(&self, resources: &Resources) -> PartitionOptions {
         PartitionOptions::default()
             .with_untagged(self.untagged.untagged())
@@ -246,6 +245,7 @@ impl Reading {
             .with_watch(resources.watch())
     }
 
+    /// Compiles a model.
     pub fn compile(&self, model: &Model, resources: &Resources) -> Result<Compiled, Failure> {
         compile(model, &self.compile_options(resources))
             .map_err(|e| Failure::input(format!("{}: {e}", model.source)))

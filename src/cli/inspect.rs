@@ -4,9 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use enfilade::importers::{Mesh, Model, Semantic};
 use enfilade::inspect::{Inspection, inspect};
-use enfilade::partition::cells::Partition;
 use enfilade::partition::{figure, partition};
 
 use super::failure::{Failure, Outcome};
@@ -51,7 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             match partition(&model, &arguments.reading.partition_options(&arguments.resources)) {
                 Ok((cells, report)) => {
                     inspection.add_partition(&report, &model);
-                    drawn = arguments.figure.as_ref().map(|_| draw(&model, &cells, arguments.height));
+                    let frame = &model.frame;
+                    let z = arguments.height.map(|height| height * frame.unit - frame.offset[2]);
+                    let z = z.unwrap_or_else(|| figure::usual_height(&model));
+                    drawn = arguments.figure.as_ref().map(|_| figure::svg(&cells, &model, z));
                 }
                 Err(error) if arguments.figure.is_some() => return Err(Failure::input(error)),
                 Err(error) => inspection.warnings.push(format!("no cells: {error}")),
@@ -67,30 +68,6 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     arguments.resources.warn(&inspection.warnings);
     output::print(&text(&inspection, arguments.elements))
-}
-
-fn bounds(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
-    let corners = mesh.positions.iter().map(|&p| [p; 2]);
-    corners
-        .reduce(|[lo, hi], [p, _]| [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))])
-}
-
-/// The cells at `height`, source frame.
-fn draw(model: &Model, cells: &Partition, height: Option<f64>) -> String {
-    let frame = &model.frame;
-    let z = match height {
-        Some(height) => height * frame.unit - frame.offset[2],
-        None => {
-            let rooms = model.elements.iter().filter(|element| element.semantic == Semantic::Room);
-            // Of the first of equals.
-            let largest = rooms.filter_map(|room| bounds(&room.mesh)).reduce(|best, next| {
-                let area = |[lo, hi]: [[f64; 3]; 2]| (hi[0] - lo[0]) * (hi[1] - lo[1]);
-                if area(next) > area(best) { next } else { best }
-            });
-            1.2 + largest.or(model.bounds()).map_or(0.0, |[lo, _]| lo[2])
-        }
-    };
-    figure::svg(cells, model, z)
 }
 
 fn text(i: &Inspection, elements: bool) -> String {

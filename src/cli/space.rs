@@ -20,7 +20,7 @@ pub fn write(out: &mut String, p: &PartitionReport) -> std::fmt::Result {
     )?;
     for (kind, cells) in &p.cells {
         let volume = p.volumes.get(kind).copied().unwrap_or_default();
-        // Slivers of unlabelled air are void or exterior once cells know what they reach.
+        // Unlabelled air is void or exterior only once cells know what it reaches.
         let pieces = p.pieces.get(kind).map_or(String::new(), |pieces| format!(" (merged from {pieces})"));
         writeln!(out, "  {cells:>10} {kind} cells{pieces}, {volume:.3} m3")?;
     }
@@ -29,8 +29,7 @@ pub fn write(out: &mut String, p: &PartitionReport) -> std::fmt::Result {
     }
     for (i, void) in p.voids.iter().enumerate().take(VOIDS) {
         if i == 0 {
-            let volume: f64 = p.voids.iter().map(|void| void.volume).sum();
-            writeln!(out, "{} voids, {volume:.3} m3; the largest:", p.voids.len())?;
+            writeln!(out, "the largest of {} voids:", p.voids.len())?;
         }
         let [lo, hi] = void.bounds;
         writeln!(

@@ -283,14 +283,13 @@ fn add_detail(
     let pairs = match zone {
         None => detail.iter().map(|&t| (0, t)).collect(),
         Some(zone) => {
-            let (most, size) = (run.budget.left() / 8, size_of::<(u32, u32)>());
-            run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance, most))?.ok_or_else(
-                || OverBudget {
-                    what: "the detail of all cells".to_owned(),
-                    needs: run.budget.left() + size as u64,
-                    limit: run.options.limits.max_memory,
-                },
-            )?
+            let size = size_of::<(u32, u32)>();
+            let most = run.budget.left() / size as u64;
+            let pairs =
+                run.stage("detail", || detail::pairs(tables, &grid, zone, &detail, tolerance, most))?;
+            let count = pairs.as_ref().map_or(most + 1, |pairs| pairs.len() as u64);
+            run.budget.take_items(count, size, "the detail of all cells")?;
+            pairs.unwrap_or_default()
         }
     };
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };

@@ -339,8 +339,7 @@ impl<'a> Search<'a> {
         let (share, off) = place([-flat[from][0], -flat[from][1]]);
         let beyond = (share - share.clamp(0.0, 1.0)).abs() * length_flat;
         if width.abs() > narrow {
-            let near =
-                clipped(&corners.map(|corner| (self.project(corner), dot(corner, direction))), narrow)?;
+            let near = clipped(&[0, 1, 2].map(|i| (flat[i], dot(corners[i], direction))), narrow)?;
             return (near[1] - near[0] > STEEP).then_some(near);
         }
         if off.abs() > narrow || beyond > narrow {

@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use enfilade_importers::{Element, ElementId, Mesh, Model, Role, Untagged};
 
 use super::direction::direction;
+use super::matter::MatterTriangle;
 use super::mend::{Mended, mend};
 use crate::compile::outward::{Outward, turn_outward};
 use crate::components::{Component, components};
@@ -73,15 +74,6 @@ pub(super) struct Body {
     pub(super) volume: f64,
 }
 
-/// A triangle that was left inside of a body, with nothing to close.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Inner {
-    pub(super) element: ElementId,
-    /// Its index in the element's mesh.
-    pub(super) source: u32,
-    pub(super) corners: [[f64; 3]; 3],
-}
-
 /// All bodies of a model, and what became of the rest of its components.
 #[derive(Debug)]
 pub(super) struct Bodies {
@@ -94,30 +86,17 @@ pub(super) struct Bodies {
     /// Components of solid elements that do not carve.
     pub(super) not_carved: Vec<(ElementId, NotCarved)>,
     /// Triangles inside of solid bodies that belong to none.
-    pub(super) inner: Vec<Inner>,
+    pub(super) inner: Vec<MatterTriangle>,
     /// Elements whose mesh was mended.
     pub(super) mended: u64,
 }
 
 /// Closed components of an element that carve or label, before the lattice is known.
 struct Shells<'m> {
-    /// The element's own, or a mended one.
-    mesh: Cow<'m, Mesh>,
-    /// The index of each of its triangles in the element's mesh, if it is not that.
-    source: Option<Vec<u32>>,
-    /// Triangles of the element's mesh that were left inside.
-    inner: Vec<u32>,
-    id: ElementId,
+    pieces: Pieces<'m>,
     is_solid: bool,
     closed: Vec<Closed>,
     bounds: [[f64; 3]; 2],
-}
-
-impl Shells<'_> {
-    /// The index in the element's mesh of one of the triangles.
-    fn source_of(&self, triangle: u32) -> u32 {
-        self.source.as_ref().map_or(triangle, |source| source[triangle as usize])
-    }
 }
 
 /// A closed component.
@@ -158,17 +137,17 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     };
     let (near, far): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| is_near(s.bounds, middle));
     for shells in far.iter().filter(|s| s.is_solid) {
-        not_carved.push((shells.id, NotCarved::Far));
+        not_carved.push((shells.pieces.id, NotCarved::Far));
         let triangles = shells.closed.iter().flat_map(|closed| &closed.component.triangles);
-        detail.extend(triangles.map(|&t| (shells.id, shells.source_of(t))));
-        detail.extend(shells.inner.iter().map(|&t| (shells.id, t)));
+        detail.extend(triangles.map(|&t| (shells.pieces.id, shells.pieces.source_of(t))));
+        detail.extend(shells.pieces.inner.iter().map(|&t| (shells.pieces.id, t)));
     }
     let reach = near.iter().flat_map(|s| s.bounds).flatten().fold(0.0f64, |reach, c| reach.max(c.abs()));
-    let carving = near.iter().filter(|s| s.is_solid).map(|s| s.id.0);
+    let carving = near.iter().filter(|s| s.is_solid).map(|s| s.pieces.id.0);
     let turn = direction(model, carving, reach, 1.0 / f64::from(1u32 << Lattice::FINEST));
     // The hull is larger than the bodies, and on the lattice too, however that is turned.
     let margin = 2.0 * super::MARGIN;
-    let points = near.iter().flat_map(|s| &s.mesh.positions);
+    let points = near.iter().flat_map(|s| &s.pieces.mesh.positions);
     let points = points.flat_map(|p| [p.map(|c| c - margin), p.map(|c| c + margin)]);
     let lattice = Lattice::about(points, turn);
     let bodies: Vec<Body> = near.iter().flat_map(|shells| bodies_of(shells, &lattice)).collect();
@@ -181,15 +160,15 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
     }
     let mut inner = Vec::new();
     for shells in near.iter().filter(|s| s.is_solid) {
-        let mesh = &model.elements[shells.id.0 as usize].mesh;
+        let mesh = &model.elements[shells.pieces.id.0 as usize].mesh;
         let corners = |t: u32| mesh.corners(t as usize).map(|p| lattice.local(p));
-        inner.extend(shells.inner.iter().map(|&source| Inner {
-            element: shells.id,
-            source,
-            corners: corners(source),
+        inner.extend(shells.pieces.inner.iter().map(|&triangle| MatterTriangle {
+            corners: corners(triangle),
+            element: shells.pieces.id,
+            triangle,
         }));
     }
-    let mended = near.iter().filter(|s| s.source.is_some()).count() as u64;
+    let mended = near.iter().filter(|s| s.pieces.source.is_some()).count() as u64;
     detail.sort_unstable();
     detail.dedup();
     not_carved.sort_unstable();
@@ -211,7 +190,7 @@ fn sort_components<'m>(model: &'m Model, untagged: Untagged) -> Vec<Sorted<'m>> 
         let mut sorted = Sorted::default();
         let open = sort_mesh(&mut sorted, Pieces::whole(id, &element.mesh), asked);
         // Labels too: rooms are written by the same tools.
-        if !open.is_empty() && matches!(asked, Some(Role::Solid | Role::Air)) {
+        if !open.is_empty() {
             let Mended { mesh, source, inner } = mend(&element.mesh, &open);
             let pieces = Pieces { id, mesh: Cow::Owned(mesh), source: Some(source), inner };
             sort_mesh(&mut sorted, pieces, asked);
@@ -230,9 +209,11 @@ fn sort_components<'m>(model: &'m Model, untagged: Untagged) -> Vec<Sorted<'m>> 
 /// A mesh whose components are to be sorted.
 struct Pieces<'m> {
     id: ElementId,
+    /// The element's own, or a mended one.
     mesh: Cow<'m, Mesh>,
-    /// As in [`Shells`].
+    /// The index of each of its triangles in the element's mesh, if it is not that.
     source: Option<Vec<u32>>,
+    /// Triangles of the element's mesh that were left inside.
     inner: Vec<u32>,
 }
 
@@ -241,6 +222,7 @@ impl<'m> Pieces<'m> {
         Pieces { id, mesh: Cow::Borrowed(mesh), source: None, inner: Vec::new() }
     }
 
+    /// The index in the element's mesh of one of the triangles.
     fn source_of(&self, triangle: u32) -> u32 {
         self.source.as_ref().map_or(triangle, |source| source[triangle as usize])
     }
@@ -305,8 +287,7 @@ fn sort_mesh<'m>(sorted: &mut Sorted<'m>, pieces: Pieces<'m>, asked: Option<Role
                 let [from, to] = closed.component.bounds;
                 [[0, 1, 2].map(|i| lo[i].min(from[i])), [0, 1, 2].map(|i| hi[i].max(to[i]))]
             });
-            let Pieces { id, mesh, source, inner } = pieces;
-            sorted.shells.push(Shells { mesh, source, inner, id, is_solid, closed, bounds });
+            sorted.shells.push(Shells { pieces, is_solid, closed, bounds });
         }
         None if asks_solid => sorted.detail.extend(pieces.inner.iter().map(|&t| (id, t))),
         None => {}
@@ -361,15 +342,15 @@ fn bodies_of(shells: &Shells<'_>, lattice: &Lattice) -> Vec<Body> {
     let all = || shells.closed.iter().flat_map(|closed| &closed.shells);
     let (together, others): (Vec<_>, Vec<_>) = all().partition(|(shell, _)| shell.inside == Inside::Together);
     let groups = [together].into_iter().chain(others.into_iter().map(|shell| vec![shell]));
-    let mut index = vec![u32::MAX; shells.mesh.positions.len()];
+    let mut index = vec![u32::MAX; shells.pieces.mesh.positions.len()];
     groups.filter(|group| !group.is_empty()).map(|group| body(shells, &group, lattice, &mut index)).collect()
 }
 
 /// `index` is for every vertex of the mesh, and is left as it came: `u32::MAX` for all.
 fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, index: &mut [u32]) -> Body {
-    let mesh = &shells.mesh;
+    let mesh = &shells.pieces.mesh;
     let mut body = Body {
-        element: shells.id,
+        element: shells.pieces.id,
         is_solid: shells.is_solid,
         vertices: Vec::new(),
         exact: Vec::new(),
@@ -390,7 +371,7 @@ fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, ind
                 }
                 *slot
             });
-            body.triangles.push(Corner3 { corners, source: shells.source_of(source) });
+            body.triangles.push(Corner3 { corners, source: shells.pieces.source_of(source) });
         }
     }
     let corners = group.iter().flat_map(|(_, outward)| outward.triangles.iter().flatten());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use enfilade_importers::Model;
+use enfilade_importers::{Model, Semantic};
 
 use super::cells::{Cell, Label, Partition};
 use super::kind;
@@ -48,6 +48,26 @@ pub fn svg(partition: &Partition, model: &Model, z: f64) -> String {
     }
     svg.push_str("</g>\n</svg>\n");
     svg
+}
+
+/// How high above the floor of the largest room a plan is cut, metres.
+const ABOVE_FLOOR: f64 = 1.2;
+
+/// A height at which [`svg`] shows much: above the floor of the room with the largest box in the plan, the first of
+/// equals; without rooms above the lowest point. Metres, internal frame.
+pub fn usual_height(model: &Model) -> f64 {
+    let rooms = model.elements.iter().filter(|element| element.semantic == Semantic::Room);
+    let boxes = rooms.filter_map(|room| {
+        let corners = room.mesh.positions.iter().map(|&p| [p; 2]);
+        corners.reduce(|[lo, hi], [p, _]| {
+            [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
+        })
+    });
+    let largest = boxes.reduce(|best, next| {
+        let area = |[lo, hi]: [[f64; 3]; 2]| (hi[0] - lo[0]) * (hi[1] - lo[1]);
+        if area(next) > area(best) { next } else { best }
+    });
+    ABOVE_FLOOR + largest.or(model.bounds()).map_or(0.0, |[lo, _]| lo[2])
 }
 
 /// Whether a level plane cuts the cell over the middle of its footprint's corners.

@@ -228,12 +228,7 @@ fn matter(bodies: &Bodies) -> Vec<MatterTriangle> {
         };
         body.triangles.iter().map(triangle).collect()
     };
-    let inner = bodies.inner.iter().map(|inner| MatterTriangle {
-        corners: inner.corners,
-        element: inner.element,
-        triangle: inner.source,
-    });
-    solid.flat_map(of).chain(inner).collect()
+    solid.flat_map(of).chain(bodies.inner.iter().copied()).collect()
 }
 
 fn hull(bodies: &Bodies) -> [[i32; 3]; 2] {

@@ -75,7 +75,7 @@ pub(super) trait Probe {
     fn cell(&mut self) {}
     /// A triangle was tested in f64.
     fn test(&mut self) {}
-    /// A walk from cell to cell lost its way.
+    /// A walk from cell to cell could not tell, and all triangles are asked.
     fn unsure(&mut self) {}
 }
 
