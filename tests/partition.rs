@@ -127,8 +127,8 @@ fn rooms_of_styled_buildings() {
     let building = house(&options);
     let names: Vec<_> = Style::exact().shares_mut().into_iter().map(|(name, _)| name).collect();
     for name in names {
-        // Identities are doubled, and rooms left out, on purpose; parts by material are elements of their own, and open.
-        if ["doubled-ids", "rooms-missing", "split-by-material"].contains(&name) {
+        // Identities are doubled, and rooms left out, on purpose.
+        if ["doubled-ids", "rooms-missing"].contains(&name) {
             continue;
         }
         let mut style = Style::exact();

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 
 use crate::error::{ImportError, ImportErrorKind};
 use crate::frame::Frame;
@@ -43,6 +44,8 @@ pub struct ModelBuilder {
     seen: HashMap<[u64; 3], u32>,
     filling: Option<ElementId>,
     degenerate: u64,
+    /// Elements that became parts of another, by index.
+    joined: HashMap<usize, usize>,
 }
 
 /// What [`ModelBuilder::element`] wants to know. An empty id becomes the path, an empty path the name.
@@ -96,6 +99,7 @@ impl ModelBuilder {
             seen: HashMap::new(),
             filling: None,
             degenerate: 0,
+            joined: HashMap::new(),
         }
     }
 
@@ -255,6 +259,44 @@ impl ModelBuilder {
         self.model.materials.len()
     }
 
+    /// The elements so far.
+    pub(crate) fn elements(&self) -> &[Element] {
+        &self.model.elements
+    }
+
+    /// The materials so far.
+    pub(crate) fn materials(&self) -> &[Material] {
+        &self.model.materials
+    }
+
+    /// Makes one element of several: the first, without the last `ending` bytes of its names, with the triangles of
+    /// all. The others are gone when the model is finished.
+    pub(crate) fn join(&mut self, parts: Range<usize>, ending: usize) {
+        let Some(first) = parts.clone().next() else { return };
+        self.close();
+        self.turn_to(ElementId(first as u32));
+        for part in parts.clone().skip(1) {
+            let mesh = std::mem::take(&mut self.model.elements[part].mesh);
+            let whole = &mut self.model.elements[first].mesh;
+            for triangle in mesh.triangles {
+                whole.triangles.push(triangle.map(|vertex| {
+                    let point = mesh.positions[vertex as usize];
+                    *self.seen.entry(point.map(f64::to_bits)).or_insert_with(|| {
+                        whole.positions.push(point);
+                        whole.positions.len() as u32 - 1
+                    })
+                }));
+            }
+            whole.materials.extend(mesh.materials);
+            self.joined.insert(part, first);
+        }
+        self.close();
+        let whole = &mut self.model.elements[first];
+        for name in [&mut whole.id, &mut whole.path, &mut whole.name, &mut whole.source_name] {
+            name.truncate(name.len().saturating_sub(ending));
+        }
+    }
+
     /// The model. Takes the offset off if its middle is over 1 km from the origin, makes ids unique (`id~2`...; with
     /// a warning), and drops elements without triangles (with a warning).
     ///
@@ -326,6 +368,9 @@ impl ModelBuilder {
         let mut kept = Vec::with_capacity(self.model.elements.len());
         for (old, element) in std::mem::take(&mut self.model.elements).into_iter().enumerate() {
             if element.mesh.triangles.is_empty() {
+                if self.joined.contains_key(&old) {
+                    continue;
+                }
                 let text = format!("element '{}' has no triangles, and is left out", element.source_name);
                 self.model.warnings.push(Warning { place: element.place, text });
             } else {
@@ -335,7 +380,10 @@ impl ModelBuilder {
         }
         self.model.elements = kept;
         for left_out in &mut self.model.left_out {
-            left_out.element = left_out.element.and_then(|e| new_index[e.0 as usize]);
+            left_out.element = left_out.element.and_then(|e| {
+                let old = e.0 as usize;
+                new_index[self.joined.get(&old).copied().unwrap_or(old)]
+            });
         }
     }
 

@@ -33,10 +33,9 @@ impl Export<'_> {
                 below[above].push(index);
             }
         }
-        let nodes = self.nodes();
         for index in (0..self.objects.len()).filter(|&index| self.objects[index].above.is_none()) {
             for &index in [index].iter().chain(&below[index]) {
-                self.add(&mut builder, &materials, &self.objects[index], nodes[index])?;
+                self.add(&mut builder, &materials, index)?;
             }
         }
         let metres = |p| self.placement.in_metres(self.placement.local(p));
@@ -56,38 +55,27 @@ impl Export<'_> {
         builder.finish()
     }
 
-    /// The number of the node that each object's mesh is in, or that of its first part: parts come after all objects.
-    fn nodes(&self) -> Vec<usize> {
-        let mut next = self.objects.len();
-        let node = |(index, object): (usize, &Object<'_>)| match object.part_count() {
-            1 => index,
-            count => {
-                next += count;
-                next - count
-            }
-        };
-        self.objects.iter().enumerate().map(node).collect()
-    }
-
     fn add(
         &self,
         builder: &mut ModelBuilder,
         materials: &[MaterialId],
-        object: &Object<'_>,
-        node: usize,
+        index: usize,
     ) -> Result<(), ImportError> {
+        let object = &self.objects[index];
         let parts = object.parts(Cut::Triangles);
-        let is_split = parts.len() > 1;
-        for (number, part) in (1..).zip(&parts) {
-            let mut new = if is_split { self.new_part(object, number) } else { self.new_element(object) };
-            new.place = format!("nodes[{}]", node + number - 1);
-            let new = builder.element(new)?;
-            builder.semantic(new, object.drawn.semantic);
+        let mut new = self.new_element(object);
+        new.place = format!("nodes[{index}]");
+        if parts.len() > 1 {
+            // The object's own node has no mesh, and so no mesh's name.
+            new.other_names.remove(0);
+        }
+        let new = builder.element(new)?;
+        builder.semantic(new, object.drawn.semantic);
+        parts.iter().try_for_each(|part| {
             self.add_mesh(part, |corners, material| {
                 builder.triangle(new, corners, materials[material as usize])
-            })?;
-        }
-        Ok(())
+            })
+        })
     }
 
     /// Hands on a mesh's triangles, material by material.
@@ -144,29 +132,6 @@ impl Export<'_> {
             filling: link("filling_id"),
             opening: link("opening_id"),
             extras: label.metadata.clone(),
-            inherited,
-            ..NewElement::default()
-        }
-    }
-
-    /// One of an object's parts: a node without metadata below the object's own.
-    fn new_part(&self, object: &Object<'_>, number: usize) -> NewElement {
-        let (mut above, mut inherited) = self.heritage(object);
-        above.insert(0, object.label.node_name());
-        inherited.extend(handed_down(object));
-        let source_name = object.part_name(number);
-        let path = path(&above, source_name.clone());
-        NewElement {
-            id: path.clone(),
-            name: format!(
-                "{}_{number}",
-                object.label.node_name().split_once(':').map_or("", |(_, name)| name)
-            ),
-            source_name,
-            path,
-            other_names: [vec![format!("{}_{number}", object.label.id)], above].concat(),
-            class: Some(object.label.class.clone()),
-            storey: object.drawn.storey.clone(),
             inherited,
             ..NewElement::default()
         }

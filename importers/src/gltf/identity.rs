@@ -36,17 +36,22 @@ impl<'a> Identities<'a> {
     }
 
     /// What the element of a visited node is called and is, all but its triangles; and notes what its children
-    /// inherit.
+    /// inherit. `is_element` is whether the node is one: it has a mesh, or parts that do.
     ///
     /// # Errors
     /// Over the budget.
-    pub fn visit(&mut self, visit: usize, budget: &mut Budget) -> Result<NewElement, ImportError> {
+    pub fn visit(
+        &mut self,
+        visit: usize,
+        is_element: bool,
+        budget: &mut Budget,
+    ) -> Result<NewElement, ImportError> {
         let index = self.graph.visits[visit].node;
         let node = &self.root.nodes[index];
         let parent = self.graph.visits[visit].parent;
         let above = parent.and_then(|parent| self.heritage[parent].clone()).unwrap_or_default();
         let has_children = node.children.as_ref().is_some_and(|children| !children.is_empty());
-        if node.mesh.is_none() && !has_children {
+        if !is_element && !has_children {
             return Ok(NewElement::default());
         }
 
@@ -66,7 +71,7 @@ impl<'a> Identities<'a> {
                 .map_err(|error| error.at(format!("nodes[{index}]")))?;
             self.heritage[visit] = Some(below);
         }
-        if node.mesh.is_none() {
+        if !is_element {
             return Ok(NewElement::default());
         }
         let path = self.graph.path(visit);
@@ -124,7 +129,7 @@ fn hand_down(
 }
 
 /// The class before the first `:`, if what stands there could be one, and the rest of the name.
-fn split_class(name: &str) -> (Option<&str>, &str) {
+pub(super) fn split_class(name: &str) -> (Option<&str>, &str) {
     match name.split_once(':') {
         Some((class, rest)) if is_identifier(class) => (Some(class), rest.trim_start()),
         _ => (None, name),

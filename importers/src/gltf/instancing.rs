@@ -10,6 +10,11 @@ use crate::limits::Budget;
 
 const NAME: &str = "EXT_mesh_gpu_instancing";
 
+/// Whether a node has the extension.
+pub(super) fn is_on(node: &json::Node) -> bool {
+    node.extensions.as_ref().is_some_and(|extensions| extensions.others.contains_key(NAME))
+}
+
 /// The accessors that place a node's instances.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instances {

@@ -2,7 +2,8 @@
 //!
 //! The way of a file: `container` finds the JSON and the binary chunk, `document` parses and checks the JSON,
 //! `buffers` fetches the bytes, `graph` walks the scene that the file shows, `materials` and `lights` read what they
-//! name, and `reader` makes an element of every node with a mesh.
+//! name, `whole` finds the nodes that are parts of one element, and `reader` makes an element of every other node with
+//! a mesh.
 //!
 //! The `gltf` crate parses and reads typed items. Its own readers trust the file, so that every count, offset and
 //! index is checked before it is asked to read (`accessors`), and its f32 node transforms are not used: they are
@@ -30,6 +31,7 @@ mod testing;
 mod tests;
 mod transform;
 mod uri;
+mod whole;
 
 use std::hash::Hasher;
 use std::path::Path;

@@ -17,6 +17,7 @@ use super::materials::{self, Materials};
 use super::mesh::{Part, Plan};
 use super::transform::Affine;
 use super::uri::Uris;
+use super::whole::Wholes;
 use super::{fault, malformed};
 use crate::builder::{ModelBuilder, NewElement};
 use crate::error::{ImportError, ImportErrorKind};
@@ -50,6 +51,7 @@ pub(super) fn fill(
         graph: &graph,
         accessors: Accessors::new(document, buffers),
         identities: Identities::new(root, &graph),
+        wholes: Wholes::find(root, &graph),
         options,
         builder,
         materials,
@@ -78,6 +80,7 @@ struct Reader<'a> {
     graph: &'a Graph,
     accessors: Accessors<'a>,
     identities: Identities<'a>,
+    wholes: Wholes,
     options: &'a ImportOptions,
     builder: ModelBuilder,
     materials: Materials,
@@ -93,6 +96,13 @@ struct Reader<'a> {
     work: Budget,
     /// Nodes with skins, and the first of them.
     skins: Option<(u64, usize)>,
+}
+
+/// A part of a mesh, read.
+struct Surface<'p> {
+    part: &'p Part,
+    points: Rc<Vectors<3>>,
+    material: MaterialId,
 }
 
 impl Reader<'_> {
@@ -116,11 +126,16 @@ impl Reader<'_> {
         let shown = &self.graph.visits[visit];
         let node = &self.root.nodes[shown.node];
         lights::read(self.root, shown, &mut self.builder);
-        let element = self.identities.visit(visit, self.builder.budget())?;
-        let Some(mesh) = node.mesh else { return Ok(()) };
-        if node.skin.is_some() {
-            self.skins.get_or_insert((0, shown.node)).0 += 1;
+        let parts = self.wholes.take_parts(visit);
+        let is_part = self.wholes.is_part(visit);
+        let is_element = !parts.is_empty() || (node.mesh.is_some() && !is_part);
+        let element = self.identities.visit(visit, is_element, self.builder.budget())?;
+        if !parts.is_empty() {
+            return self.add_whole(visit, &parts, element);
         }
+        // The parts of an element were read with the first of their nodes, so that they lie together.
+        let Some(mesh) = node.mesh.filter(|_| !is_part) else { return Ok(()) };
+        self.note_skin(shown.node);
         let plan = self.plan(mesh.value())?;
         let result = match instancing::of(node, shown.node, &self.accessors) {
             Ok(None) => self.add_copies(&plan, element, &[shown.world], false),
@@ -132,6 +147,40 @@ impl Reader<'_> {
             Some(_) => error,
             None => error.of_element(self.element_name(visit)),
         })
+    }
+
+    /// Adds the element of `owner`, of which each of `parts` has some triangles.
+    fn add_whole(&mut self, owner: usize, parts: &[usize], element: NewElement) -> Result<(), ImportError> {
+        let id = self.builder.element(element)?;
+        for &part in parts {
+            let shown = &self.graph.visits[part];
+            let Some(mesh) = self.root.nodes[shown.node].mesh else { continue };
+            self.note_skin(shown.node);
+            let plan = self.plan(mesh.value())?;
+            let place = format!("nodes[{}]", shown.node);
+            let result = match self.note_if_empty(&plan, &place, 1) {
+                true => Ok(()),
+                false => self.account(&plan, &place).and_then(|()| {
+                    let surfaces = self.surfaces(&plan)?;
+                    self.add_surfaces(&surfaces, id, &shown.world)?;
+                    self.leave_out(&plan, Some(id), &place, 1);
+                    Ok(())
+                }),
+            };
+            self.release(&plan);
+            result.map_err(|error| match &error.element {
+                Some(_) => error,
+                None => error.of_element(self.element_name(owner)),
+            })?;
+            self.check_cancelled()?;
+        }
+        Ok(())
+    }
+
+    fn note_skin(&mut self, node: usize) {
+        if self.root.nodes[node].skin.is_some() {
+            self.skins.get_or_insert((0, node)).0 += 1;
+        }
     }
 
     /// The name of a node's element in errors; the path of one without name.
@@ -173,26 +222,12 @@ impl Reader<'_> {
         copies: &[Affine],
         numbered: bool,
     ) -> Result<(), ImportError> {
-        if plan.triangles == 0 {
-            self.leave_out(plan, None, &element.place, copies.len() as u64);
-            if plan.points == 0 && plan.lines == 0 {
-                self.builder.warn(element.place, "the node's mesh has no triangles");
-            }
+        if self.note_if_empty(plan, &element.place, copies.len() as u64) {
             return Ok(());
         }
-        let mut parts = Vec::with_capacity(plan.parts.len());
-        for part in &plan.parts {
-            let points = self.points(part)?;
-            // Damaged indices are better called that than too many.
-            part.indices(&self.accessors, points.len())?;
-            let material = self.materials.get(part.material, &mut self.builder);
-            parts.push((part, points, material));
-        }
+        let surfaces = self.surfaces(plan)?;
         for (index, world) in copies.iter().enumerate() {
-            let bytes = plan.triangles.saturating_add(plan.parts.len() as u64);
-            self.work
-                .take_items(bytes, TRIANGLE, "triangles")
-                .map_err(|e| fault(element.place.clone(), e.into()))?;
+            self.account(plan, &element.place)?;
             let mut new = element.clone();
             if numbered {
                 let number = index + 1;
@@ -202,13 +237,51 @@ impl Reader<'_> {
             }
             let place = new.place.clone();
             let id = self.builder.element(new)?;
-            for (part, points, material) in &parts {
-                self.add_part(part, points, *material, id, world)?;
-            }
+            self.add_surfaces(&surfaces, id, world)?;
             self.leave_out(plan, Some(id), &place, 1);
             self.check_cancelled()?;
         }
         Ok(())
+    }
+
+    /// Whether a mesh has no triangles; if so, says what it has.
+    fn note_if_empty(&mut self, plan: &Plan, place: &str, copies: u64) -> bool {
+        if plan.triangles > 0 {
+            return false;
+        }
+        self.leave_out(plan, None, place, copies);
+        if plan.points == 0 && plan.lines == 0 {
+            self.builder.warn(place, "the node's mesh has no triangles");
+        }
+        true
+    }
+
+    /// The parts of a mesh with their points and materials.
+    fn surfaces<'p>(&mut self, plan: &'p Plan) -> Result<Vec<Surface<'p>>, ImportError> {
+        let mut surfaces = Vec::with_capacity(plan.parts.len());
+        for part in &plan.parts {
+            let points = self.points(part)?;
+            // Damaged indices are better called that than too many.
+            part.indices(&self.accessors, points.len())?;
+            let material = self.materials.get(part.material, &mut self.builder);
+            surfaces.push(Surface { part, points, material });
+        }
+        Ok(surfaces)
+    }
+
+    /// Books the work of one copy of a mesh.
+    fn account(&mut self, plan: &Plan, place: &str) -> Result<(), ImportError> {
+        let items = plan.triangles.saturating_add(plan.parts.len() as u64);
+        self.work.take_items(items, TRIANGLE, "triangles").map_err(|e| fault(place, e.into()))
+    }
+
+    fn add_surfaces(
+        &mut self,
+        surfaces: &[Surface<'_>],
+        element: ElementId,
+        world: &Affine,
+    ) -> Result<(), ImportError> {
+        surfaces.iter().try_for_each(|s| self.add_part(s.part, &s.points, s.material, element, world))
     }
 
     fn add_part(

@@ -580,3 +580,98 @@ fn a_cancelled_import_stops() {
     let error = super::read_slice(&GltfText::triangle().embedded(), "x", &options).unwrap_err();
     assert!(matches!(error.kind, ImportErrorKind::Cancelled(_)));
 }
+
+/// A file whose nodes are given; those named in `with_mesh` have a triangle each, all of different places.
+fn nodes_with_meshes(nodes: serde_json::Value, with_mesh: &[usize]) -> GltfText {
+    let mut text = GltfText::empty();
+    text.json["nodes"] = nodes;
+    for &node in with_mesh {
+        let positions = text.floats(&TRIANGLE.map(|[x, y, z]| [x, y, z + node as f32]));
+        let mesh = text.mesh(json!([{ "attributes": { "POSITION": positions } }]));
+        text.json["nodes"][node]["mesh"] = json!(mesh);
+    }
+    text
+}
+
+#[test]
+fn nodes_without_identity_below_one_with_are_its_parts() {
+    let text = nodes_with_meshes(
+        json!([
+            { "name": "IfcBuildingStorey:EG", "children": [1] },
+            {
+                "name": "IfcWindow:South",
+                "extras": { "global_id": "w1", "ifc_class": "IfcWindow", "host_id": "wall" },
+                "children": [2, 3, 5]
+            },
+            { "name": "IfcWindow:South_1" },
+            { "name": "group", "children": [4] },
+            { "name": "Glass:clear" },
+            { "name": "IfcMember:Handle", "extras": { "global_id": "m1" } }
+        ]),
+        &[2, 4, 5],
+    );
+    let model = read(&text).unwrap();
+    let found: Vec<_> = model.elements.iter().map(|e| (e.id.as_str(), e.mesh.triangles.len())).collect();
+    assert_eq!(found, [("w1", 2), ("m1", 1)]);
+    let window = &model.elements[0];
+    assert_eq!(window.path, "IfcBuildingStorey:EG/IfcWindow:South");
+    assert_eq!((window.name.as_str(), window.source_name.as_str()), ("South", "IfcWindow:South"));
+    assert_eq!(window.place, "nodes[1]");
+    assert_eq!((window.class.as_deref(), window.storey.as_deref()), (Some("IfcWindow"), Some("EG")));
+    assert_eq!(window.host.as_deref(), Some("wall"));
+    assert_eq!(triangles(&model, 0).iter().map(|t| t[0][2]).collect::<Vec<_>>(), [2.0, 4.0]);
+}
+
+#[test]
+fn parts_are_no_parts_of_what_holds_them() {
+    let one_below = |above: serde_json::Value, below: &str| {
+        let mut above = above;
+        above["children"] = json!([1]);
+        let model = read(&nodes_with_meshes(json!([above, { "name": below }]), &[1])).unwrap();
+        model.elements[0].path == above["name"].as_str().unwrap()
+    };
+    let named =
+        |name: &str, class: &str| json!({ "name": name, "extras": { "global_id": "g", "ifc_class": class } });
+    assert!(one_below(named("wall", "IfcWall"), "brick"));
+    assert!(one_below(json!({ "name": "IfcWall:a", "extras": { "global_id": "g" } }), "brick"));
+    // Without an identity a node may be a group of walls.
+    assert!(!one_below(json!({ "name": "walls", "extras": { "ifc_class": "IfcWall" } }), "brick"));
+    assert!(!one_below(json!({ "name": "walls", "extras": { "global_id": "g" } }), "brick"));
+    assert!(!one_below(named("ground floor", "IfcBuildingStorey"), "brick"));
+    assert!(one_below(named("site", "IfcSite"), "site_1"));
+    assert!(!one_below(named("site", "IfcSite"), "fence"));
+    // A room has a mesh of its own, and things in it.
+    assert!(one_below(named("Kitchen", "IfcSpace"), "Kitchen_1"));
+    assert!(one_below(named("Kitchen", "IfcSpace"), ""));
+    assert!(!one_below(named("Kitchen", "IfcSpace"), "Table"));
+    // What has a class of its own is an element of its own.
+    assert!(!one_below(named("stair", "IfcStair"), "IfcRailing:left"));
+    assert!(one_below(named("stair", "IfcStair"), "IfcStair:left"));
+}
+
+#[test]
+fn instances_and_damaged_parts_are_no_parts() {
+    let nodes = json!([
+        { "name": "wall", "extras": { "global_id": "g", "ifc_class": "IfcWall" }, "children": [1, 2] },
+        { "name": "brick" },
+        { "name": "empty" }
+    ]);
+    let mut text = nodes_with_meshes(nodes, &[1, 2]);
+    let places = text.floats(&[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+    let mut copies = text.clone();
+    copies.json["nodes"][1]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } } });
+    copies.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    let model = read(&copies).unwrap();
+    let ids: Vec<&str> = model.elements.iter().map(|e| e.id.as_str()).collect();
+    assert_eq!(ids, ["g", "wall/brick[1]", "wall/brick[2]"]);
+
+    // A part of lines is left out, with its place; an error names the element.
+    text.json["meshes"][1]["primitives"][0]["mode"] = json!(1);
+    let model = read(&text).unwrap();
+    assert_eq!(model.elements.len(), 1);
+    assert_eq!((model.left_out[0].place.as_str(), model.left_out[0].count), ("nodes[2]", 1));
+    let far = text.floats(&[[0.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    text.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(far);
+    assert_eq!(error_of(&text).element.as_deref(), Some("wall"));
+}

@@ -7,6 +7,7 @@ use crate::import::ImportOptions;
 use crate::limits::Budget;
 use crate::model::{LeftOut, LeftOutReason, Material, MaterialId, Model};
 use crate::obj::guard::{Note, ObjGuard};
+use crate::obj::join::join_parts;
 use crate::obj::polygon::{Outcome, Triangulator};
 
 /// Corners of faces between two looks at the cancel token.
@@ -64,6 +65,7 @@ pub(super) fn assemble(
     }
     debug_assert!(meshes.peek().is_none() && notes.peek().is_none(), "all parts are in elements");
     assembler.warn();
+    join_parts(&mut assembler.builder);
     assembler.builder.finish()
 }
 

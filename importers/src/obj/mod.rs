@@ -5,7 +5,8 @@
 //! elements: it is the only object of the file, or it has no class and no id, and two or more of its groups do. A
 //! line that gives the name in force again goes on with the same element, as exporters write it at each `usemtl`;
 //! but without an id and with new vertices before the next face it begins another one. A name that comes back later
-//! is another element.
+//! is another element. Neighbours that are one thing by material (`Wall_1`, `Wall_2`) become one element where only
+//! together they are closed.
 //!
 //! **Names.** `Class:name#id`: class, name and id of the element. A group name `Storey:NAME` or
 //! `IfcBuildingStorey:NAME`, which goes to the end of its line, gives the storey. An element without id has its path
@@ -24,6 +25,7 @@ mod assemble;
 mod crossing;
 mod feed;
 mod guard;
+mod join;
 mod lines;
 mod looks;
 mod mtl;

@@ -54,11 +54,6 @@ impl Object<'_> {
         self.finish.parts(&self.drawn, &self.points, cut)
     }
 
-    /// How many parts that is.
-    pub fn part_count(&self) -> usize {
-        self.finish.part_count(&self.drawn)
-    }
-
     /// What the node of its part `number` is called, as three.js calls them.
     pub fn part_name(&self, number: usize) -> String {
         format!("{}_{number}", self.label.node_name())

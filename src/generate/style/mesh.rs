@@ -121,14 +121,6 @@ impl Finish {
         parts
     }
 
-    /// How many parts the mesh of an element has.
-    pub fn part_count(&self, element: &Element) -> usize {
-        let mut materials: Vec<u32> = element.faces.iter().map(|face| face.material).collect();
-        materials.sort_unstable();
-        materials.dedup();
-        if self.by_material { materials.len().max(1) } else { 1 }
-    }
-
     /// The faces by material.
     fn faces(&self, element: &Element, cut: Cut) -> Vec<(u32, Rings)> {
         let mut winding = self.winding;
