@@ -10,9 +10,7 @@ use std::sync::LazyLock;
 use common::Folder;
 use enfilade::components::{Component, Orientation, components};
 use enfilade::generate::{Building, Export, HouseOptions, Style, Unit, house};
-use enfilade::importers::{
-    Element, ImportOptions, Mesh, Model, Semantic, Untagged, UpAxis, import,
-};
+use enfilade::importers::{Element, ImportOptions, Mesh, Model, Semantic, Untagged, UpAxis, import};
 use enfilade::roles::roles;
 use enfilade::{CompileOptions, Hit, Place, Ray, Scene, VerifyOptions, Want, compile, verify};
 

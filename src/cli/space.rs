@@ -70,5 +70,13 @@ pub fn write(out: &mut String, p: &PartitionReport) -> std::fmt::Result {
         out,
         "of {} faces between air and matter, {} are matter that no triangle bounds: {:.4} of {:.1} m2",
         s.faces, s.false_faces, s.false_area, s.area
-    )
+    )?;
+    if s.given_back > 0 {
+        let (cells, volume) = (s.given_back, s.given_back_volume);
+        writeln!(
+            out,
+            "{cells} cells of matter without a surface, {volume:.6} m3, were given back to the air"
+        )?;
+    }
+    Ok(())
 }

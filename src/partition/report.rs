@@ -11,7 +11,7 @@ use super::bodies::NotCarved;
 use super::cells::{Cell, Label, NONE, Partition};
 use super::moved::Repair;
 use super::surfaces::SurfaceReport;
-use crate::lattice::{FINE, FINE_BITS, Point, orient};
+use crate::lattice::{FINE, FINE_BITS, Lattice, Point, orient};
 use crate::roles::asked_role;
 
 /// Report of a partition. Lengths, areas and volumes are in metres; places too, in the internal frame, unless
@@ -104,9 +104,8 @@ pub fn kind(label: Label, model: &Model) -> &'static str {
 impl PartitionReport {
     /// Adds what can be read off the cells.
     pub(super) fn read(&mut self, partition: &Partition, model: &Model) {
-        let step = partition.lattice.step();
-        self.lattice_step = step;
-        let cubic_metres = step.powi(3) / 6.0 / FINE as f64;
+        self.lattice_step = partition.lattice.step();
+        let cubic_metres = cubic_metres(&partition.lattice);
         let mut sum = 0i128;
         for cell in &partition.cells {
             let kind = kind(cell.label, model);
@@ -156,6 +155,11 @@ impl PartitionReport {
         }
         report
     }
+}
+
+/// What a unit of [`six_volume`] is, m3.
+pub(super) fn cubic_metres(lattice: &Lattice) -> f64 {
+    lattice.step().powi(3) / 6.0 / FINE as f64
 }
 
 /// Six times the volume of a cell, in cubic lattice units by 2^-24: exact.

@@ -9,9 +9,11 @@
 //!    sheets seen edge-on;
 //! 3. where these do, too, even those that look the other way: a ray meets them whichever way they look.
 //!
-//! What is uncovered then is *false solid*: matter without a surface.
+//! What is uncovered then is *false solid*: matter without a surface. A cell of matter of whose surface towards the air most
+//! is uncovered is none: rounding made it (thin strips beside real walls). It is given back to the air, and what lies behind
+//! it looked at again.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use enfilade_importers::{ElementId, Watch};
 use glam::DVec3;
@@ -21,6 +23,7 @@ use super::boxes::BoxTree;
 use super::cells::{Label, NONE, Partition, Source};
 use super::halfspaces::{Body, Bounds, Cutter, HalfSpace, Piece, are_wider, around_triangle};
 use super::matter::MatterTriangle;
+use super::report::{cubic_metres, six_volume};
 use super::shapes::{Part, Wall, parts, walls};
 use crate::oracle::parallel;
 
@@ -81,6 +84,10 @@ pub struct SurfaceReport {
     pub false_area: f64,
     /// Those with so many triangles that it would take too long to say what they cover; they have all the parallel ones.
     pub undecided: u32,
+    /// Cells of matter that were given back to the air, because no triangles cover most of their surface.
+    pub given_back: u32,
+    /// Their volume, m3.
+    pub given_back_volume: f64,
     /// The largest places that are not covered, the largest first.
     pub places: Vec<FalseSolid>,
     /// Different lists of triangles.
@@ -98,9 +105,14 @@ const PARALLEL: f64 = 0.9;
 /// A triangle looks the other way if that cosine is less than this: edge-on, it looks neither way.
 const AVERTED: f64 = -0.1;
 
+/// Matter is given back to the air if more than this share of its surface is uncovered.
+const MOST_BARE: f64 = 0.5;
+/// What lies behind matter that was given back is looked at so many times.
+const ROUNDS: u32 = 4;
+
 /// Finds the triangles of every part of the surface between air and matter, from both sides, and writes them to
-/// [`Partition::sources`] and the covers' indices; what was there is replaced. If the `account` is full or the caller
-/// cancels, the search ends early.
+/// [`Partition::sources`] and the covers' indices; what was there is replaced. Matter without a surface becomes air. If the
+/// `account` is full or the caller cancels, the search ends early.
 ///
 /// The result does not depend on the number of threads.
 pub(super) fn attach(
@@ -110,6 +122,41 @@ pub(super) fn attach(
     account: &Account,
     watch: &Watch,
 ) -> SurfaceReport {
+    let (mut given_back, mut six) = (0, 0i128);
+    let mut rounds = 1;
+    loop {
+        let (mut report, bare) = attach_once(partition, matter, options, account, watch);
+        if bare.is_empty() || rounds == ROUNDS || account.is_full() || watch.is_cancelled() {
+            report.given_back = given_back;
+            report.given_back_volume = six as f64 * cubic_metres(&partition.lattice);
+            return report;
+        }
+        for (solid, air) in bare {
+            given_back += 1;
+            six += six_volume(partition, &partition.cells[solid as usize]);
+            partition.cells[solid as usize].label = partition.cells[air as usize].label;
+        }
+        rounds += 1;
+    }
+}
+
+/// How much of the surface of a cell of matter looks into air, lattice units.
+#[derive(Default)]
+struct Shell {
+    area: f64,
+    uncovered: f64,
+    /// The cell of air that the largest uncovered part looks into, and that part's area.
+    air: Option<(u32, f64)>,
+}
+
+/// One round of [`attach`]: the report, and what has next to no surface, as a cell of matter and one of air beside it.
+fn attach_once(
+    partition: &mut Partition,
+    matter: &[MatterTriangle],
+    options: &SurfaceOptions,
+    account: &Account,
+    watch: &Watch,
+) -> (SurfaceReport, Vec<(u32, u32)>) {
     let tree = BoxTree::new(matter.iter().map(MatterTriangle::bounds));
     let finder = Finder::new(partition, matter, &tree, options);
     let chunks = parallel::map(partition.cells.len().div_ceil(CHUNK), |chunk| {
@@ -133,12 +180,19 @@ pub(super) fn attach(
     }
     // What lies between a cell of matter and one of air, and its source.
     let mut seen: Vec<([u32; 2], u32)> = Vec::new();
+    let mut shells: BTreeMap<u32, Shell> = BTreeMap::new();
     for found in chunks.into_iter().flatten() {
         report.faces += 1;
         report.area += found.area * step * step;
         report.patched += u32::from(found.is_patched);
         report.undecided += u32::from(found.is_undecided);
+        let shell = shells.entry(found.beyond).or_default();
+        shell.area += found.area;
         if let Some((at, area)) = found.uncovered {
+            shell.uncovered += area;
+            if shell.air.is_none_or(|(_, largest)| area > largest) {
+                shell.air = Some((found.cell, area));
+            }
             let area = area * step * step;
             report.false_faces += 1;
             report.false_area += area;
@@ -170,7 +224,8 @@ pub(super) fn attach(
     report.sources = partition.sources.len() as u32;
     report.planar = partition.sources.iter().filter(|s| s.plane.is_some()).count() as u32;
     report.longest = partition.sources.iter().map(|s| s.triangles.len() as u32).max().unwrap_or(0);
-    report
+    let bare = shells.into_iter().filter(|(_, shell)| shell.uncovered > shell.area * MOST_BARE);
+    (report, bare.filter_map(|(solid, shell)| Some((solid, shell.air?.0))).collect())
 }
 
 /// The index that a part of a surface has.

@@ -114,13 +114,52 @@ fn a_missing_wall_is_false_solid() {
     assert!((DVec3::from(largest.at) - DVec3::new(0.0, 2.0, 1.05)).length() < 0.2, "{largest:?}");
     assert!((largest.area - 4.0 * 2.1).abs() < 0.03);
     assert!(report.places[0].area >= report.places[1].area);
-    // Where nothing at all is within reach there is no source.
-    let mut partition = stacks.build();
+}
+
+#[test]
+fn matter_without_a_surface_is_given_back_to_the_air() {
+    // Nothing bounds any of it: wall by wall all becomes air.
+    let mut partition = room().0.build();
     let report = run(&mut partition, &[]);
-    assert_eq!(report.false_faces, report.faces);
-    assert!((report.false_area - report.area).abs() < 1e-9);
+    assert_eq!((report.false_faces, report.faces), (0, 0), "{report:?}");
+    assert!(partition.cells.iter().all(|cell| cell.label.is_air()));
     assert!(partition.sources.is_empty());
     assert!(partition.faces.iter().all(|f| f.cover.source == NONE));
+    // The room's box less the air in it and in the door hole.
+    let volume = 5.6 * 4.6 * 3.2 - 5.0 * 4.0 * 2.8 - 2.1 * 0.3;
+    assert!((report.given_back_volume - volume).abs() < 1e-3, "{report:?}");
+
+    // A strip of 1 cm along the west wall, from floor to ceiling, is matter by its label only.
+    let xs = [-1.0, -0.3, 0.0, 0.01, 5.0, 5.3, 6.0];
+    let ys = [-1.0, -0.3, 0.0, 4.0, 4.3, 5.0];
+    let zs = [-1.0, -0.2, 0.0, 2.8, 3.0, 4.0];
+    let stacks = Stacks::boxes(&xs, &ys, &zs, |[i, j, k]| match (i, j, k) {
+        (2, 2, 2) => solid(2),
+        (3, 2, 2) => Label::Air(ElementId(20)),
+        (1..=4, 1..=3, 1..=3) => solid(0),
+        _ => Label::Exterior,
+    });
+    let sides = [([-0.3, -0.3, -0.2], [5.3, 4.3, 3.0]), ([0.0, 0.0, 0.0], [5.0, 4.0, 2.8])];
+    let matter_of_two = as_matter(&sides.map(|(low, high)| box_triangles(low, high)));
+    let inner: Vec<MatterTriangle> = matter_of_two
+        .into_iter()
+        .map(|mut t| {
+            // The inner box is the room's: it looks inward.
+            if t.element.0 == 1 {
+                t.corners.swap(1, 2);
+            }
+            t
+        })
+        .collect();
+    let mut partition = stacks.build();
+    let strip = cell_at(&partition, [0.005, 2.0, 1.0]);
+    let report = run(&mut partition, &inner);
+    assert_eq!((report.given_back, report.false_faces), (1, 0), "{report:?}");
+    assert!((report.given_back_volume - 0.01 * 4.0 * 2.8).abs() < 1e-3, "{report:?}");
+    assert_eq!(partition.cells[strip].label, Label::Air(ElementId(20)));
+    // What lies behind it has its surface now.
+    let wall = cell_at(&partition, [-0.1, 2.0, 1.0]);
+    assert!(between(&partition, strip, wall).iter().all(|&source| source != NONE));
 }
 
 #[test]
