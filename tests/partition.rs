@@ -8,10 +8,11 @@ use enfilade::generate::{
 };
 use enfilade::importers::{CancelToken, ElementId, Limits, Model, Role, Untagged, Watch};
 use enfilade::lattice::FINE;
+use enfilade::oracle::{Truth, TruthOptions, Verdict};
 use enfilade::partition::cells::{Cell, Label, NONE, Partition};
 use enfilade::partition::{PartitionError, PartitionOptions, PartitionReport, partition, six_volume};
 use enfilade::roles::roles;
-use enfilade::{CompileError, CompileOptions, compile};
+use enfilade::{CompileError, CompileOptions, Ray, compile};
 
 fn cut(model: &Model) -> (Partition, PartitionReport) {
     partition(model, &PartitionOptions::default()).unwrap()
@@ -184,4 +185,41 @@ fn partitions_can_be_cancelled() {
     let mut options = CompileOptions::default();
     options.watch = watch;
     assert!(matches!(compile(&model, &options), Err(CompileError::Cancelled(_))));
+}
+
+/// What is open is matter for the cells, once mended, and none for rays: those that start inside of it leave it through its
+/// surface, however near that is and however flat they go.
+#[test]
+fn rays_from_inside_open_floors_leave_through_their_surface() {
+    let mut options = HouseOptions::default();
+    options.furniture = false;
+    let mut style = Style::exact();
+    (style.seed, style.floors, style.noisy_corners) = (1, 1.0, 1.0);
+    let model = house(&options).export(&style).to_model().unwrap();
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let with_roles = roles(&model, Untagged::default());
+    let truth = Truth::new(&model, |e| with_roles[e.0 as usize], &TruthOptions::default());
+    let floors: Vec<_> =
+        model.elements.iter().filter(|e| e.class.as_deref() == Some("IfcCovering")).collect();
+    assert!(floors.len() >= 6, "{}", floors.len());
+    let mut random = enfilade_testing::Random::new(1);
+    let mut from_below = 0;
+    for floor in floors {
+        let points = &floor.mesh.positions;
+        let top = points.iter().map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
+        let bound = |i: usize| points.iter().map(move |p| p[i]);
+        let box_of = [0, 1]
+            .map(|i| [bound(i).fold(f64::INFINITY, f64::min), bound(i).fold(f64::NEG_INFINITY, f64::max)]);
+        for _ in 0..2000 {
+            let [x, y] = box_of.map(|[lo, hi]| lo + (hi - lo) * random.unit());
+            let depth = 1e-4 + 4.5e-4 * random.unit();
+            let (turn, rise) = (std::f64::consts::TAU * random.unit(), 0.02 + 0.4 * random.unit());
+            let ray = Ray::new([x, y, top - depth], [turn.cos(), turn.sin(), rise]);
+            let answer = scene.trace(&ray);
+            let judged = truth.judge(&ray, &answer);
+            assert!(judged.verdict.is_right(), "{ray:?}: {answer:?}, {judged:?}");
+            from_below += u32::from(matches!(judged.verdict, Verdict::Exact));
+        }
+    }
+    assert!(from_below > 10_000, "{from_below}");
 }

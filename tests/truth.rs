@@ -2,10 +2,10 @@
 //! ways, without volume.
 #![cfg(all(feature = "obj", feature = "compile"))]
 
-use enfilade::importers::{ImportOptions, Model, Untagged, obj};
-use enfilade::oracle::{Truth, TruthOptions};
+use enfilade::importers::{ImportOptions, Model, Role, Untagged, obj};
+use enfilade::oracle::{Truth, TruthOptions, Verdict};
 use enfilade::roles::roles;
-use enfilade::{CompileOptions, Hit, Place, Ray, VerifyOptions, VerifyReport, compile, verify};
+use enfilade::{Answer, CompileOptions, Hit, Place, Ray, VerifyOptions, VerifyReport, compile, verify};
 use enfilade_testing::Random;
 
 fn read(text: &str) -> Model {
@@ -177,4 +177,27 @@ fn triangles_that_run_along_with_a_ray() {
     let ray = Ray::new([0.9999999993355574, 2.999999978770476, -3331.9999999982224], [-1.0, -1.0, 2221.0]);
     let judged = truth.judge(&ray, &compiled.scene().trace(&ray));
     assert!(judged.verdict.is_right(), "{judged:?}");
+}
+
+/// A ray that starts below one level sheet and meets another far off: moved across and along at once, by less than the
+/// tolerance, it starts above the first; moved by one of the two alone it does not, or meets the second elsewhere.
+#[test]
+fn witnesses_may_be_moved_across_and_along() {
+    let model = read(
+        "v -9 0 9\nv 9 0 9\nv 0 0 -9\no floor\nf 1 2 3\nv -9 1 9\nv 9 1 9\nv 0 1 -9\no table\nf 4 5 6\n",
+    );
+    let truth = Truth::new(&model, |_| Role::Detail, &TruthOptions::default());
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let verdict = |rise: f64, depth: f64| {
+        let ray = Ray::new([0.0, 0.0, -depth], [(1.0 - rise * rise).sqrt(), 0.0, rise]);
+        // The answer of one who starts above the floor.
+        let late = scene.trace(&Ray { tmin: 0.01, ..ray });
+        assert!(matches!(late, Answer::Hit(hit) if hit.element == 1));
+        truth.judge(&ray, &late).verdict
+    };
+    for (rise, depth) in [(1.0 / 3.0, 0.45e-3), (0.5, 0.7e-3), (0.25, 0.35e-3)] {
+        let near = verdict(rise, depth);
+        assert!(matches!(near, Verdict::Edge { delta } if delta > 0.6e-3), "{rise} {depth}: {near:?}");
+        assert!(!verdict(rise, 2.0 * depth).is_right(), "{rise} {depth}");
+    }
 }

@@ -201,7 +201,10 @@ impl<'a> Search<'a> {
                 if self.is_close(corners, p) {
                     let normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
                     arrangement.add_line(self.project(normal), dot(normal, sub(corners[0], p)));
-                    direct.push(self.project(sub(closest_point(corners, p), p)));
+                    // A part of the way may do: the start, moved along the ray, has left the surface as well, and what is met
+                    // far off moves by less.
+                    let way = self.project(sub(closest_point(corners, p), p));
+                    direct.extend([0.25, 0.5, 0.75, 1.0].map(|share| way.map(|c| share * c)));
                 }
             }
         }

@@ -18,7 +18,7 @@
 use super::NONE;
 use super::kernel::Probe;
 use super::meet::{Surfaces, is_near};
-use super::path::{BLURRED, Exit, NEAR, Path, Prisms};
+use super::path::{Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
@@ -114,8 +114,10 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
 
     /// The prism of air at a point.
     fn find(&self, point: DVec3) -> Result<u32, Unsure> {
-        // Not as far as the tolerance: what the ray meets may then be off by as much again.
-        let cell = self.path.prisms.place(point, BLURRED.min(self.surfaces.tolerance)).ok_or(UNSURE)?;
+        // What rounding can do, no more: a ray that starts farther inside of something open leaves it through its surface,
+        // and flat along that what it meets behind would be off by many times as much.
+        let margin = self.path.prisms.rounding().min(self.surfaces.tolerance);
+        let cell = self.path.prisms.place(point, margin).ok_or(UNSURE)?;
         match self.path.prisms.cells[cell as usize].kind {
             CellRecord::AIR => Ok(cell),
             _ => Err(Unsure { in_matter: true }),

@@ -13,7 +13,7 @@ pub(super) const NEAR: f64 = 1e-9;
 
 /// So far, metres, cells may differ from the model: what the partition's audit lets pass, its straightening, and rounding.
 /// Where a ray passes an edge of a face this near, cells do not tell on which side.
-pub(super) const BLURRED: f64 = 5e-4;
+const BLURRED: f64 = 5e-4;
 
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -89,6 +89,11 @@ impl<'a> Prisms<'a> {
             turn: scene.lattice_turn,
             reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
         }
+    }
+
+    /// How far, metres, a surface of a cell commonly is from the model's: four steps of the lattice.
+    pub(super) fn rounding(&self) -> f64 {
+        4.0 * self.reach / LARGEST
     }
 
     /// A point of the internal frame along the lattice's axes from its origin.
