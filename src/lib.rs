@@ -59,6 +59,8 @@ pub mod format;
 #[cfg(feature = "compile")]
 pub mod generate;
 #[cfg(feature = "compile")]
+pub mod gmap;
+#[cfg(feature = "compile")]
 pub mod inspect;
 #[cfg(feature = "compile")]
 pub mod lattice;
