@@ -382,3 +382,45 @@ fn body(shells: &Shells<'_>, group: &[&(Shell, Outward)], lattice: &Lattice, ind
     }
     body
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::components::rotated;
+    use crate::generate::{HouseOptions, Style, house};
+
+    /// However damaged a model is, each triangle that rays can meet is of a body, inside of one, or detail; but for exact
+    /// copies of others.
+    #[test]
+    fn no_triangle_is_lost() {
+        let building = house(&HouseOptions::default());
+        for seed in 0..12 {
+            let style = Style::damage([0.1, 0.3, 0.7][seed as usize % 3], seed);
+            let model = building.export(&style).to_model().unwrap();
+            let bodies = gather(&model, Untagged::default());
+            let mut known: BTreeSet<(ElementId, u32)> = bodies.detail.iter().copied().collect();
+            for body in bodies.bodies.iter().filter(|body| body.is_solid) {
+                known.extend(body.triangles.iter().map(|t| (body.element, t.source)));
+            }
+            known.extend(bodies.inner.iter().map(|t| t.name()));
+            assert!(bodies.mended > 0 || seed % 3 == 0, "{seed}");
+            for (index, element) in model.elements.iter().enumerate() {
+                if !matches!(asked_role(element, Untagged::default()), Some(Role::Solid | Role::Detail)) {
+                    continue;
+                }
+                let id = ElementId(index as u32);
+                let mut copies = BTreeSet::new();
+                for (t, &corners) in element.mesh.triangles.iter().enumerate() {
+                    let is_first = copies.insert(rotated(corners));
+                    assert!(
+                        !is_first || known.contains(&(id, t as u32)),
+                        "seed {seed}: {} triangle {t}",
+                        element.path
+                    );
+                }
+            }
+        }
+    }
+}

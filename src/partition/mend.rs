@@ -4,10 +4,12 @@
 //! Only the partition uses them, so that such elements carve. What rays meet are the mesh's own triangles all the same,
 //! and a ray that starts inside of such an element starts in no solid.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use enfilade_importers::Mesh;
 use glam::DVec3;
+
+use crate::components::rotated;
 
 /// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle.
 const WELD: f64 = 1e-4;
@@ -48,8 +50,32 @@ pub(super) fn mend(mesh: &Mesh, of: &[u32]) -> Mended {
             break;
         }
     }
+    take_doubles(&mut mended);
     take_inner(&mut mended);
+    mended.inner.sort_unstable();
+    mended.inner.dedup();
     mended
+}
+
+/// Takes out triangles that welding has made those of others, corner by corner and looking the same way: a component would
+/// pass over them. Rays may meet them nearer.
+fn take_doubles(mended: &mut Mended) {
+    let mut seen = HashSet::new();
+    let is_double: Vec<bool> = mended.mesh.triangles.iter().map(|&t| !seen.insert(rotated(t))).collect();
+    move_inside(mended, &is_double);
+}
+
+/// Moves the triangles that are marked to those that close nothing.
+fn move_inside(mended: &mut Mended, taken: &[bool]) {
+    let (old, sources) = (std::mem::take(&mut mended.mesh.triangles), std::mem::take(&mut mended.source));
+    for ((triangle, source), taken) in old.into_iter().zip(sources).zip(taken) {
+        if *taken {
+            mended.inner.push(source);
+        } else {
+            mended.mesh.triangles.push(triangle);
+            mended.source.push(source);
+        }
+    }
 }
 
 /// Joins corners that lie near each other to the first of them.
@@ -209,17 +235,7 @@ fn take_inner(mended: &mut Mended) {
             break;
         }
     }
-    let (old, sources) = (std::mem::take(&mut mended.mesh.triangles), std::mem::take(&mut mended.source));
-    for ((triangle, source), taken) in old.into_iter().zip(sources).zip(taken) {
-        if taken {
-            mended.inner.push(source);
-        } else {
-            mended.mesh.triangles.push(triangle);
-            mended.source.push(source);
-        }
-    }
-    mended.inner.sort_unstable();
-    mended.inner.dedup();
+    move_inside(mended, &taken);
 }
 
 #[cfg(test)]
@@ -309,6 +325,19 @@ mod tests {
         let (volume, mended) = volume(&mesh(&quads));
         assert!((volume - 2.25).abs() < 1e-9, "{volume}");
         assert_eq!(mended.inner, [6, 7, 18, 19]);
+    }
+
+    #[test]
+    fn faces_written_twice() {
+        let once = cuboid([0.0; 3], [4.0, 0.3, 2.5]);
+        let mut quads = once.clone();
+        quads.extend([once[2], once[4]]);
+        for (i, p) in quads.iter_mut().flatten().enumerate() {
+            p[i % 3] += 1e-6 * (i % 7) as f64;
+        }
+        let (volume, mended) = volume(&mesh(&quads));
+        assert!((volume - 3.0).abs() < 1e-4, "{volume}");
+        assert_eq!((mended.source, mended.inner), ((0..12).collect(), vec![12, 13, 14, 15]));
     }
 
     #[test]
