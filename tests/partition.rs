@@ -12,7 +12,7 @@ use enfilade::oracle::{Truth, TruthOptions, Verdict};
 use enfilade::partition::cells::{Cell, Label, NONE, Partition};
 use enfilade::partition::{PartitionError, PartitionOptions, PartitionReport, partition, six_volume};
 use enfilade::roles::roles;
-use enfilade::{CompileError, CompileOptions, Ray, compile};
+use enfilade::{CompileError, CompileOptions, Place, Ray, Start, Want, compile};
 
 fn cut(model: &Model) -> (Partition, PartitionReport) {
     partition(model, &PartitionOptions::default()).unwrap()
@@ -218,6 +218,12 @@ fn rays_from_inside_open_floors_leave_through_their_surface() {
             let answer = scene.trace(&ray);
             let judged = truth.judge(&ray, &answer);
             assert!(judged.verdict.is_right(), "{ray:?}: {answer:?}, {judged:?}");
+            // As those who have looked up where it starts.
+            if let Place::Air { cell, .. } = scene.locate(ray.origin) {
+                let answer = scene.trace_from(Start::Cell(cell), &ray, Want::default()).answer();
+                let judged = truth.judge(&ray, &answer);
+                assert!(judged.verdict.is_right(), "{ray:?} from cell {cell}: {answer:?}, {judged:?}");
+            }
             from_below += u32::from(matches!(judged.verdict, Verdict::Exact));
         }
     }

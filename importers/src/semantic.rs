@@ -224,6 +224,15 @@ impl FromStr for Semantic {
     }
 }
 
+/// The IFC class with which `name` begins, as some tools write it (`IfcWall/Wall 1`, `IfcDoor.003`, `IfcSlab`).
+pub(crate) fn class_in(name: &str) -> Option<&str> {
+    let name = name.trim_start();
+    let end = name.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(name.len());
+    let class = &name[..end];
+    let is_ifc = class.len() > 3 && class.as_bytes()[..3].eq_ignore_ascii_case(b"ifc");
+    is_ifc.then_some(class)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

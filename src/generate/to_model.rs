@@ -66,8 +66,10 @@ impl Export<'_> {
         let mut new = self.new_element(object);
         new.place = format!("nodes[{index}]");
         if parts.len() > 1 {
-            // The object's own node has no mesh, and so no mesh's name.
+            // The object's own node has no mesh, and so no mesh's name; its parts have.
             new.other_names.remove(0);
+            let names = |number| [object.part_name(number), format!("{}_{number}", object.label.id)];
+            new.other_names.extend((1..=parts.len()).flat_map(names));
         }
         let new = builder.element(new)?;
         builder.semantic(new, object.drawn.semantic);

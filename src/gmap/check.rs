@@ -103,7 +103,7 @@ impl GMap {
     /// that one of them links, one is in the set. `None` if there is no such set: the thing is not orientable.
     ///
     /// # Panics
-    /// If `dart` is not of this map.
+    /// If the map never had such a dart.
     pub fn orientation(&self, orbit: Orbit, dart: Dart) -> Option<Marks> {
         let (mut even, mut odd) = (Marks::new(self), Marks::new(self));
         self.colour(orbit, dart, &mut even, &mut odd).then_some(even)
@@ -134,7 +134,7 @@ impl GMap {
     /// What the surface of the volume of `dart` is like.
     ///
     /// # Panics
-    /// If `dart` is not of this map.
+    /// If the map never had such a dart.
     pub fn shape(&self, dart: Dart) -> Shape {
         let darts = self.orbit(Orbit::Volume, dart);
         let count = |orbit: Orbit| {

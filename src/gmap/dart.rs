@@ -90,7 +90,7 @@ impl GMap {
     /// Alpha `i` of a dart.
     ///
     /// # Panics
-    /// If `i` is over 3, or the dart is not of this map.
+    /// If `i` is over 3, or the map never had such a dart. A removed one leads to itself.
     #[inline]
     pub fn alpha(&self, i: usize, dart: Dart) -> Dart {
         Dart(self.alpha[i][dart.index()])
@@ -117,8 +117,9 @@ impl GMap {
     /// may be invalid until its user has linked all that belongs together: [`GMap::sew`] does that by itself.
     ///
     /// # Panics
-    /// As [`GMap::alpha`].
+    /// If `i` is over 3, or a dart is not of this map.
     pub fn link(&mut self, i: usize, a: Dart, b: Dart) {
+        assert!(self.contains(a) && self.contains(b), "{a} and {b} are of this map");
         self.unlink(i, a);
         self.unlink(i, b);
         self.alpha[i][a.index()] = b.0;

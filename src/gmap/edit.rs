@@ -52,9 +52,9 @@ impl GMap {
     /// Removes the cell of dimension `i` (0 a vertex, 1 an edge, 2 a face) that `dart` is of. What lies on its two sides
     /// becomes one: two edges, two faces, two volumes. Returns how many darts are gone.
     ///
-    /// A vertex must have two edges at each of its faces' corners and an edge two faces in each of its volumes; a face can
-    /// always be removed. Where both sides are one cell already, as on both sides of a face within a volume, what is left may
-    /// have a hole or fall in two.
+    /// No more than two edges may meet at the vertex, and no more than two faces at the edge, of all volumes together; a face
+    /// can always be removed. Where both sides are one cell already, as on both sides of a face within a volume, what is left
+    /// may have a hole or fall in two.
     ///
     /// # Errors
     /// [`EditError`].
@@ -123,7 +123,7 @@ impl GMap {
     /// Returns the new dart at `a`'s corner, on `a`'s side of the new edge: alpha 1 of it.
     ///
     /// # Errors
-    /// [`EditError::NotCorners`], [`EditError::Free`] if the face is open at a corner, [`EditError::Unknown`].
+    /// [`EditError::NotCorners`], [`EditError::Free`] if the face is open between the corners, [`EditError::Unknown`].
     pub fn insert_edge(&mut self, a: Dart, b: Dart) -> Result<Dart, EditError> {
         self.known(&[a, b])?;
         let free = |dart: &Dart| self.is_free(1, *dart);
@@ -131,17 +131,23 @@ impl GMap {
             return Err(EditError::Free { dart, involution: 1 });
         }
         // From a's edge on around the face: b's corner is met from one of its two sides.
-        let mut near_b = self.alpha(0, a);
-        while near_b != b && self.alpha(1, near_b) != b {
-            let next = self.walk(near_b, &[1, 0]);
-            if next == near_b || near_b == self.alpha(1, a) {
+        let mut here = a;
+        let near_b = loop {
+            let end = self.alpha(0, here);
+            let beyond = self.alpha(1, end);
+            for (from, to, involution) in [(here, end, 0), (end, beyond, 1)] {
+                if from == to {
+                    return Err(EditError::Free { dart: from, involution });
+                }
+            }
+            if beyond == a {
                 return Err(EditError::NotCorners(a, b));
             }
-            near_b = next;
-        }
-        if near_b == self.alpha(1, a) || near_b == a {
-            return Err(EditError::NotCorners(a, b));
-        }
+            if end == b || beyond == b {
+                break end;
+            }
+            here = beyond;
+        };
         let sides = if self.is_free(3, a) {
             vec![[a, near_b]]
         } else {

@@ -3,7 +3,7 @@
 use super::dart::{Dart, GMap};
 
 /// A set of darts of one map, one bit each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct Marks {
     bits: Vec<u64>,
 }

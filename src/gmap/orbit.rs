@@ -63,7 +63,7 @@ impl CellIndex {
     /// The number of a dart's cell.
     ///
     /// # Panics
-    /// If the map had no such dart when it was numbered.
+    /// If the map had no such dart when it was numbered; what was removed before has the number [`CellIndex::NONE`].
     pub fn of(&self, dart: Dart) -> u32 {
         self.of[dart.index()]
     }
@@ -89,7 +89,7 @@ impl GMap {
     /// to, are left out: with one set of marks each of many orbits is walked once.
     ///
     /// # Panics
-    /// If `dart` is not of this map.
+    /// If the map never had such a dart.
     pub fn orbit_once<'a>(
         &'a self,
         orbit: Orbit,
@@ -116,7 +116,7 @@ impl GMap {
     /// The darts of an orbit, `dart` first. Takes time and memory by the size of the orbit, not of the map.
     ///
     /// # Panics
-    /// If `dart` is not of this map.
+    /// If the map never had such a dart.
     pub fn orbit(&self, orbit: Orbit, dart: Dart) -> Vec<Dart> {
         let mut seen = std::collections::HashSet::from([dart]);
         let mut all = vec![dart];
@@ -167,7 +167,7 @@ impl GMap {
     /// in turn. Stops where alpha 0 or 1 is free.
     ///
     /// # Panics
-    /// If `dart` is not of this map.
+    /// If the map never had such a dart.
     pub fn around_face(&self, dart: Dart) -> impl Iterator<Item = Dart> + '_ {
         let mut next = Some(dart);
         std::iter::from_fn(move || {

@@ -134,10 +134,15 @@ impl GMap {
     /// Does what [`GMap::check_sew`] found.
     ///
     /// # Panics
-    /// If the map lost darts in between.
+    /// If one of the darts was removed or sewn in between.
     pub fn commit(&mut self, sewing: &Sewing) {
+        let i = sewing.involution;
         for &[a, b] in &sewing.pairs {
-            self.link(sewing.involution, a, b);
+            assert!(
+                self.is_free(i, a) && self.is_free(i, b),
+                "{a} or {b} was sewn since the sewing was checked"
+            );
+            self.link(i, a, b);
         }
     }
 
@@ -190,7 +195,7 @@ impl GMap {
     /// Whether two darts are of one cell.
     ///
     /// # Panics
-    /// If `a` is not of this map.
+    /// If the map never had such a dart as `a`.
     pub fn is_same(&self, orbit: Orbit, a: Dart, b: Dart) -> bool {
         self.orbit(orbit, a).contains(&b)
     }

@@ -9,9 +9,9 @@
 //!    sheets seen edge-on;
 //! 3. where these do, too, even those that look the other way: a ray meets them whichever way they look.
 //!
-//! What is uncovered then is *false solid*: matter without a surface. A cell of matter of whose surface towards the air most
-//! is uncovered is none: rounding made it (thin strips beside real walls). It is given back to the air, and what lies behind
-//! it looked at again.
+//! What is uncovered then is *false solid*: matter without a surface. A thin cell of matter that has more uncovered than
+//! covered surface towards the air is none: rounding made it, a strip beside a real wall. It is given back to the air, and
+//! what lies behind it is looked at again.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -25,6 +25,7 @@ use super::halfspaces::{Body, Bounds, Cutter, HalfSpace, Piece, are_wider, aroun
 use super::matter::MatterTriangle;
 use super::report::{cubic_metres, six_volume};
 use super::shapes::{Part, Wall, parts, walls};
+use crate::lattice::FINE;
 use crate::oracle::parallel;
 
 /// Tolerances of [`attach`].
@@ -84,7 +85,7 @@ pub struct SurfaceReport {
     pub false_area: f64,
     /// Those with so many triangles that it would take too long to say what they cover; they have all the parallel ones.
     pub undecided: u32,
-    /// Cells of matter that were given back to the air, because no triangles cover most of their surface.
+    /// Thin cells of matter that were given back to the air, because no triangles cover most of their surface towards it.
     pub given_back: u32,
     /// Their volume, m3.
     pub given_back_volume: f64,
@@ -105,9 +106,11 @@ const PARALLEL: f64 = 0.9;
 /// A triangle looks the other way if that cosine is less than this: edge-on, it looks neither way.
 const AVERTED: f64 = -0.1;
 
-/// Matter is given back to the air if more than this share of its surface is uncovered.
+/// Matter is given back to the air if more than this share of its surface towards the air is uncovered.
 const MOST_BARE: f64 = 0.5;
-/// What lies behind matter that was given back is looked at so many times.
+/// And if it is no thicker than this behind what is uncovered, metres.
+const THIN: f64 = 0.02;
+/// The surface is looked at so many times: what is bare in the last stays matter, and is reported.
 const ROUNDS: u32 = 4;
 
 /// Finds the triangles of every part of the surface between air and matter, from both sides, and writes them to
@@ -125,6 +128,9 @@ pub(super) fn attach(
     let (mut given_back, mut six) = (0, 0i128);
     let mut rounds = 1;
     loop {
+        // The lists of one round take the place of those of the round before.
+        let free = Account::new(u64::MAX);
+        let account = if rounds == 1 { account } else { &free };
         let (mut report, bare) = attach_once(partition, matter, options, account, watch);
         if bare.is_empty() || rounds == ROUNDS || account.is_full() || watch.is_cancelled() {
             report.given_back = given_back;
@@ -224,7 +230,11 @@ fn attach_once(
     report.sources = partition.sources.len() as u32;
     report.planar = partition.sources.iter().filter(|s| s.plane.is_some()).count() as u32;
     report.longest = partition.sources.iter().map(|s| s.triangles.len() as u32).max().unwrap_or(0);
-    let bare = shells.into_iter().filter(|(_, shell)| shell.uncovered > shell.area * MOST_BARE);
+    let thin = partition.lattice.steps(THIN);
+    let bare = shells.into_iter().filter(|(solid, shell)| {
+        let volume = six_volume(partition, &partition.cells[*solid as usize]) as f64 / (6.0 * FINE as f64);
+        shell.uncovered > shell.area * MOST_BARE && volume <= shell.uncovered * thin
+    });
     (report, bare.filter_map(|(solid, shell)| Some((solid, shell.air?.0))).collect())
 }
 

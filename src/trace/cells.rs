@@ -18,7 +18,7 @@
 use super::NONE;
 use super::kernel::Probe;
 use super::meet::{Surfaces, is_near};
-use super::path::{Exit, NEAR, Path, Prisms};
+use super::path::{BLURRED, Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
@@ -106,8 +106,12 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
     fn start(&self, hint: u32) -> Result<u32, Unsure> {
         let prisms = self.path.prisms;
         let point = self.path.at(self.first);
+        // From the surface that it starts on, the ray does not come back to that.
+        let margin = if self.query.surface.is_some() { BLURRED } else { prisms.rounding() };
         match prisms.cells.get(hint as usize) {
-            Some(cell) if cell.kind == CellRecord::AIR && prisms.nearly_holds(cell, point) => Ok(hint),
+            Some(cell) if cell.kind == CellRecord::AIR && prisms.nearly_holds(cell, point, margin) => {
+                Ok(hint)
+            }
             _ => self.find(point),
         }
     }

@@ -13,7 +13,7 @@ pub(super) const NEAR: f64 = 1e-9;
 
 /// So far, metres, cells may differ from the model: what the partition's audit lets pass, its straightening, and rounding.
 /// Where a ray passes an edge of a face this near, cells do not tell on which side.
-const BLURRED: f64 = 5e-4;
+pub(super) const BLURRED: f64 = 5e-4;
 
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -168,18 +168,18 @@ impl<'a> Prisms<'a> {
         }
     }
 
-    /// Whether `point` (from the lattice's origin) is in the prism, or outside by no more than cells may be off.
+    /// Whether `point` (from the lattice's origin) is in the prism, or outside by no more than some `margin`.
     #[inline]
-    pub(super) fn nearly_holds(&self, cell: &CellRecord, point: DVec3) -> bool {
+    pub(super) fn nearly_holds(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
         let over = |plane: u32, up: f64| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
-            (point.z - p * point.x - q * point.y - height) * up <= BLURRED * (1.0 + p.abs() + q.abs())
+            (point.z - p * point.x - q * point.y - height) * up <= margin * (1.0 + p.abs() + q.abs())
         };
         over(cell.floor, -1.0)
             && over(cell.ceiling, 1.0)
             && edges(self.sides_of(cell)).all(|[a, b]| {
                 let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= BLURRED * (ex.abs() + ey.abs())
+                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
             })
     }
 

@@ -102,6 +102,32 @@ impl<'a> Identities<'a> {
             inherited: BTreeMap::clone(&above.extras),
         })
     }
+
+    /// Adds what a part of an element says of itself, where the element says nothing: names, metadata, links.
+    pub fn add_part(&self, visit: usize, element: &mut NewElement) {
+        let node = &self.root.nodes[self.graph.visits[visit].node];
+        let mesh_name = node.mesh.and_then(|mesh| self.root.meshes[mesh.value()].name.as_deref());
+        for name in node.name.as_deref().into_iter().chain(mesh_name).filter(|name| !name.is_empty()) {
+            // Few parts have an element; one that has very many is not worth a table.
+            if !element.other_names.iter().rev().take(64).any(|known| known == name) {
+                element.other_names.push(name.to_owned());
+            }
+        }
+        let extras = Extras::of(node);
+        for (key, value) in extras.all.into_iter().filter(|(key, _)| key != "name") {
+            element.extras.entry(key).or_insert(value);
+        }
+        for (link, part) in [
+            (&mut element.host, extras.host),
+            (&mut element.filling, extras.filling),
+            (&mut element.opening, extras.opening),
+            (&mut element.storey, extras.storey),
+        ] {
+            if link.is_none() {
+                *link = part;
+            }
+        }
+    }
 }
 
 /// What children of a node with these properties inherit.
@@ -129,7 +155,7 @@ fn hand_down(
 }
 
 /// The class before the first `:`, if what stands there could be one, and the rest of the name.
-pub(super) fn split_class(name: &str) -> (Option<&str>, &str) {
+fn split_class(name: &str) -> (Option<&str>, &str) {
     match name.split_once(':') {
         Some((class, rest)) if is_identifier(class) => (Some(class), rest.trim_start()),
         _ => (None, name),

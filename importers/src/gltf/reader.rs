@@ -150,7 +150,15 @@ impl Reader<'_> {
     }
 
     /// Adds the element of `owner`, of which each of `parts` has some triangles.
-    fn add_whole(&mut self, owner: usize, parts: &[usize], element: NewElement) -> Result<(), ImportError> {
+    fn add_whole(
+        &mut self,
+        owner: usize,
+        parts: &[usize],
+        mut element: NewElement,
+    ) -> Result<(), ImportError> {
+        for &part in parts {
+            self.identities.add_part(part, &mut element);
+        }
         let id = self.builder.element(element)?;
         for &part in parts {
             let shown = &self.graph.visits[part];
@@ -158,10 +166,10 @@ impl Reader<'_> {
             self.note_skin(shown.node);
             let plan = self.plan(mesh.value())?;
             let place = format!("nodes[{}]", shown.node);
-            let result = match self.note_if_empty(&plan, &place, 1) {
+            let result = match self.note_if_empty(&plan, Some(id), &place, 1) {
                 true => Ok(()),
-                false => self.account(&plan, &place).and_then(|()| {
-                    let surfaces = self.surfaces(&plan)?;
+                false => self.surfaces(&plan).and_then(|surfaces| {
+                    self.account(&plan, &place)?;
                     self.add_surfaces(&surfaces, id, &shown.world)?;
                     self.leave_out(&plan, Some(id), &place, 1);
                     Ok(())
@@ -222,7 +230,7 @@ impl Reader<'_> {
         copies: &[Affine],
         numbered: bool,
     ) -> Result<(), ImportError> {
-        if self.note_if_empty(plan, &element.place, copies.len() as u64) {
+        if self.note_if_empty(plan, None, &element.place, copies.len() as u64) {
             return Ok(());
         }
         let surfaces = self.surfaces(plan)?;
@@ -245,11 +253,11 @@ impl Reader<'_> {
     }
 
     /// Whether a mesh has no triangles; if so, says what it has.
-    fn note_if_empty(&mut self, plan: &Plan, place: &str, copies: u64) -> bool {
+    fn note_if_empty(&mut self, plan: &Plan, element: Option<ElementId>, place: &str, copies: u64) -> bool {
         if plan.triangles > 0 {
             return false;
         }
-        self.leave_out(plan, None, place, copies);
+        self.leave_out(plan, element, place, copies);
         if plan.points == 0 && plan.lines == 0 {
             self.builder.warn(place, "the node's mesh has no triangles");
         }

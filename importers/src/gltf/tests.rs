@@ -605,7 +605,7 @@ fn nodes_without_identity_below_one_with_are_its_parts() {
             },
             { "name": "IfcWindow:South_1" },
             { "name": "group", "children": [4] },
-            { "name": "Glass:clear" },
+            { "name": "Glass:clear", "extras": { "opening_id": "hole", "host_id": "other" } },
             { "name": "IfcMember:Handle", "extras": { "global_id": "m1" } }
         ]),
         &[2, 4, 5],
@@ -618,7 +618,10 @@ fn nodes_without_identity_below_one_with_are_its_parts() {
     assert_eq!((window.name.as_str(), window.source_name.as_str()), ("South", "IfcWindow:South"));
     assert_eq!(window.place, "nodes[1]");
     assert_eq!((window.class.as_deref(), window.storey.as_deref()), (Some("IfcWindow"), Some("EG")));
-    assert_eq!(window.host.as_deref(), Some("wall"));
+    // What a part says counts where the element says nothing.
+    assert_eq!((window.host.as_deref(), window.opening.as_deref()), (Some("wall"), Some("hole")));
+    assert_eq!(window.extras["opening_id"], "hole");
+    assert!(window.other_names.iter().any(|name| name == "Glass:clear"));
     assert_eq!(triangles(&model, 0).iter().map(|t| t[0][2]).collect::<Vec<_>>(), [2.0, 4.0]);
 }
 
@@ -644,9 +647,15 @@ fn parts_are_no_parts_of_what_holds_them() {
     assert!(one_below(named("Kitchen", "IfcSpace"), "Kitchen_1"));
     assert!(one_below(named("Kitchen", "IfcSpace"), ""));
     assert!(!one_below(named("Kitchen", "IfcSpace"), "Table"));
+    assert!(!one_below(named("Kitchen", "IfcSpace"), "Kitchen table"));
+    assert!(!one_below(named("1", "IfcSpace"), "101"));
+    assert!(!one_below(named("bridge", "IfcBridge"), ""));
     // What has a class of its own is an element of its own.
     assert!(!one_below(named("stair", "IfcStair"), "IfcRailing:left"));
     assert!(one_below(named("stair", "IfcStair"), "IfcStair:left"));
+    assert!(one_below(named("stair", "IFCSTAIR"), "IfcStair/left"));
+    assert!(!one_below(named("wall", "IfcWall"), "IfcDoor.003"));
+    assert!(!one_below(named("wall", "IfcWall"), "ifcdoor/left"));
 }
 
 #[test]
@@ -671,6 +680,7 @@ fn instances_and_damaged_parts_are_no_parts() {
     let model = read(&text).unwrap();
     assert_eq!(model.elements.len(), 1);
     assert_eq!((model.left_out[0].place.as_str(), model.left_out[0].count), ("nodes[2]", 1));
+    assert_eq!(model.left_out[0].element, Some(crate::model::ElementId(0)));
     let far = text.floats(&[[0.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     text.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(far);
     assert_eq!(error_of(&text).element.as_deref(), Some("wall"));

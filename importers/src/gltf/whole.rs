@@ -9,25 +9,41 @@ use gltf::json;
 
 use super::extras::Extras;
 use super::graph::{Graph, Visit};
-use super::identity::split_class;
 use super::instancing;
+use crate::semantic::class_in;
 
-/// Classes of nodes that hold elements rather than being one. What lies below them is never a part of them.
+/// Classes of nodes that hold elements rather than being one, in lower case. What lies below them is never a part of them.
 const STRUCTURES: &[&str] = &[
-    "IfcProject",
-    "IfcBuilding",
-    "IfcBuildingStorey",
-    "IfcFacility",
-    "IfcFacilityPart",
-    "IfcExternalSpatialElement",
-    "IfcSpatialZone",
-    "IfcZone",
-    "IfcGroup",
-    "IfcSystem",
+    "ifcproject",
+    "ifcprojectlibrary",
+    "ifcbuilding",
+    "ifcbuildingstorey",
+    "ifcfacility",
+    "ifcfacilitypart",
+    "ifcfacilitypartcommon",
+    "ifcbridge",
+    "ifcbridgepart",
+    "ifcroad",
+    "ifcroadpart",
+    "ifcrailway",
+    "ifcrailwaypart",
+    "ifcmarinefacility",
+    "ifcmarinepart",
+    "ifcexternalspatialelement",
+    "ifcspatialzone",
+    "ifczone",
+    "ifcgroup",
+    "ifcsystem",
+    "ifcbuildingsystem",
+    "ifcbuiltsystem",
+    "ifcdistributionsystem",
+    "ifcdistributioncircuit",
+    "ifcstructuralanalysismodel",
+    "ifcelementassembly",
 ];
 
 /// Below these are their own parts, and what stands in them as well.
-const HOLDERS: &[&str] = &["IfcSpace", "IfcSite"];
+const HOLDERS: &[&str] = &["ifcspace", "ifcsite"];
 
 /// Which nodes are parts of which element.
 #[derive(Debug, Default)]
@@ -42,6 +58,7 @@ pub(super) struct Wholes {
 #[derive(Clone, Debug)]
 struct Owner {
     visit: usize,
+    /// In lower case.
     class: String,
     semantic: Option<String>,
 }
@@ -66,7 +83,7 @@ impl Wholes {
             let semantic = extras.all.get("semantic");
             if let Some(above) = above
                 && extras.global_id.is_none()
-                && class.is_none_or(|class| class == owners[above].class)
+                && class.as_ref().is_none_or(|class| *class == owners[above].class)
                 && semantic.is_none_or(|semantic| Some(semantic) == owners[above].semantic.as_ref())
             {
                 let owner = &owners[above];
@@ -79,9 +96,9 @@ impl Wholes {
                 below.push(Some(above));
                 continue;
             }
-            let owner = class.filter(|class| may_own && !STRUCTURES.contains(class));
+            let owner = class.filter(|class| may_own && !STRUCTURES.contains(&class.as_str()));
             below.push(owner.filter(|_| extras.global_id.is_some()).map(|class| {
-                owners.push(Owner { visit, class: class.to_owned(), semantic: semantic.cloned() });
+                owners.push(Owner { visit, class, semantic: semantic.cloned() });
                 owners.len() - 1
             }));
         }
@@ -99,20 +116,23 @@ impl Wholes {
     }
 }
 
-/// The class that a node gives itself, by its metadata, its name or its mesh's.
-fn class_of<'a>(root: &'a json::Root, node: &'a json::Node, extras: &'a Extras) -> Option<&'a str> {
+/// The class that a node gives itself, by its metadata, its name or its mesh's, in lower case.
+fn class_of(root: &json::Root, node: &json::Node, extras: &Extras) -> Option<String> {
     let mesh_name = || node.mesh.and_then(|mesh| root.meshes[mesh.value()].name.as_deref());
-    let named = |name: Option<&'a str>| name.and_then(|name| split_class(name).0);
-    let class =
-        extras.ifc_class.as_deref().or_else(|| named(node.name.as_deref())).or_else(|| named(mesh_name()));
-    // `Glass:clear` is no class.
-    class.filter(|class| class.starts_with("Ifc"))
+    let named = |name: Option<&str>| name.and_then(class_in).map(str::to_ascii_lowercase);
+    let own = extras.ifc_class.as_ref().map(|class| class.to_ascii_lowercase());
+    own.or_else(|| named(node.name.as_deref())).or_else(|| named(mesh_name()))
 }
 
-/// Whether a node directly below `owner` has no name, or one that starts with the owner's.
+/// Whether a node directly below `owner` has no name, or the owner's and a number: `Kitchen_1` below `Kitchen`.
 fn is_named_after(root: &json::Root, graph: &Graph, shown: &Visit, owner: usize) -> bool {
     let name = |node: usize| root.nodes[node].name.as_deref().unwrap_or_default();
     let above = name(graph.visits[owner].node);
     let own = name(shown.node);
-    shown.parent == Some(owner) && (own.is_empty() || (!above.is_empty() && own.starts_with(above)))
+    let is_number = |rest: &str| {
+        let digits = rest.trim_start_matches(|c: char| matches!(c, '_' | '-' | '.' | ' ' | ':'));
+        rest.is_empty() || (digits.len() < rest.len() && digits.chars().all(|c| c.is_ascii_digit()))
+    };
+    let after = || own.strip_prefix(above).is_some_and(is_number);
+    shown.parent == Some(owner) && (own.is_empty() || (!above.is_empty() && after()))
 }

@@ -65,7 +65,7 @@ pub(super) fn assemble(
     }
     debug_assert!(meshes.peek().is_none() && notes.peek().is_none(), "all parts are in elements");
     assembler.warn();
-    join_parts(&mut assembler.builder);
+    join_parts(&mut assembler.builder, &options.watch)?;
     assembler.builder.finish()
 }
 

@@ -9,43 +9,62 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use crate::builder::ModelBuilder;
+use crate::error::ImportError;
 use crate::model::{Element, Material};
+use crate::watch::Watch;
 
 /// What may stand between a name and the part's number or material.
 const SEPARATORS: [char; 4] = ['_', '.', '-', ' '];
 
+/// Bytes that comparing the edges of a triangle takes.
+const TRIANGLE: usize = 512;
+
 /// Makes one element of those that are parts of one.
-pub(super) fn join_parts(builder: &mut ModelBuilder) {
+///
+/// # Errors
+/// Over the budget, or cancelled.
+pub(super) fn join_parts(builder: &mut ModelBuilder, watch: &Watch) -> Result<(), ImportError> {
     for (run, ending) in runs(builder.elements(), builder.materials()) {
+        watch.check().map_err(|e| builder.error(e))?;
+        let parts = &builder.elements()[run.clone()];
+        let bytes = parts.iter().map(|part| part.mesh.triangles.len() * TRIANGLE).sum::<usize>() as u64;
+        let place = parts[0].place.clone();
+        builder.budget().take(bytes, "elements by material").map_err(|e| builder.error(e).at(place))?;
         if close_together(&builder.elements()[run.clone()]) {
             builder.join(run, ending);
         }
+        builder.budget().give_back(bytes);
     }
+    Ok(())
 }
 
 /// The neighbours in the file that by name and material may be one element, and the length of what the first one's
 /// name has more than the element's.
 fn runs(elements: &[Element], materials: &[Material]) -> Vec<(Range<usize>, usize)> {
-    let paths: HashSet<&str> = elements.iter().map(|e| e.path.as_str()).collect();
+    // Of elements that stay, and of those that are made.
+    let mut taken: HashSet<&str> = elements.iter().flat_map(|e| [e.path.as_str(), e.id.as_str()]).collect();
     let mut runs = Vec::new();
     let mut start = 0;
     while start < elements.len() {
-        let end = match Ending::of(&elements[start], materials) {
-            Some((ending, length)) if !paths.contains(cut(&elements[start].path, length)) => {
-                let end = start + run_length(&elements[start..], materials, ending, length);
+        let first = &elements[start];
+        let mut end = start + 1;
+        if let Some((ending, stem)) = Ending::of(first, materials) {
+            let length = first.source_name.len() - stem.len();
+            let path = cut(&first.path, length);
+            if !taken.contains(path) {
+                end = end.max(start + run_length(&elements[start..], materials, ending, stem));
                 if end > start + 1 {
+                    taken.insert(path);
                     runs.push((start..end, length));
                 }
-                end.max(start + 1)
             }
-            _ => start + 1,
-        };
+        }
         start = end;
     }
     runs
 }
 
-/// How the parts of an element are told apart.
+/// How the parts of an element are told apart: behind a separator.
 #[derive(Clone, Copy)]
 enum Ending {
     Number(char),
@@ -53,48 +72,53 @@ enum Ending {
 }
 
 impl Ending {
-    /// How the name of the first part of an element ends, and the length of that; `None` if it cannot be one.
-    fn of(element: &Element, materials: &[Material]) -> Option<(Ending, usize)> {
+    /// How the name of the first part of an element ends, and the name of that; `None` if it cannot be one.
+    fn of<'e>(element: &'e Element, materials: &[Material]) -> Option<(Ending, &'e str)> {
         SEPARATORS.into_iter().flat_map(|s| [Ending::Number(s), Ending::Material(s)]).find_map(|ending| {
-            let text = ending.text(element, materials, 1)?;
-            element.source_name.ends_with(&text).then_some((ending, text.len()))
+            let stem = ending.strip(&element.source_name, element, materials, 1)?;
+            Some((ending, stem))
         })
     }
 
-    /// What the name of the part with this number ends in.
-    fn text(self, element: &Element, materials: &[Material], number: usize) -> Option<String> {
+    /// A name of the part with this number, without its ending.
+    fn strip<'n>(
+        self,
+        name: &'n str,
+        element: &Element,
+        materials: &[Material],
+        number: usize,
+    ) -> Option<&'n str> {
         let material = *element.mesh.materials.first()?;
-        let has_one = element.mesh.materials.iter().all(|m| *m == material);
-        let name = &materials[material.0 as usize].name;
-        // With an id of its own it is an element of its own.
-        let is_named = element.id == element.path && element.name.len() <= element.source_name.len();
-        match self {
-            _ if !has_one || !is_named => None,
-            Ending::Number(separator) => Some(format!("{separator}{number}")),
-            Ending::Material(_) if name.is_empty() => None,
-            Ending::Material(separator) => Some(format!("{separator}{name}")),
-        }
+        let (rest, separator) = match self {
+            Ending::Number(separator) => (name.strip_suffix(number.to_string().as_str())?, separator),
+            Ending::Material(separator) => {
+                let material = materials[material.0 as usize].name.as_str();
+                (name.strip_suffix(material).filter(|_| !material.is_empty())?, separator)
+            }
+        };
+        rest.strip_suffix(separator)
     }
 }
 
-/// How many elements from the first on are named like parts of one, each with another material.
-fn run_length(elements: &[Element], materials: &[Material], ending: Ending, length: usize) -> usize {
+/// How many elements from the first on are named like parts of `stem`, each with another material.
+fn run_length(elements: &[Element], materials: &[Material], ending: Ending, stem: &str) -> usize {
     let first = &elements[0];
-    let stem = cut(&first.source_name, length);
+    let path = cut(&first.path, first.source_name.len() - stem.len());
     let mut seen = HashSet::new();
-    elements
-        .iter()
-        .zip(1..)
-        .take_while(|&(element, number)| {
-            let Some(text) = ending.text(element, materials, number) else { return false };
-            element.source_name.strip_suffix(text.as_str()) == Some(stem)
-                && element.path.strip_suffix(text.as_str()) == Some(cut(&first.path, length))
-                && element.name.ends_with(text.as_str())
-                && (&element.class, &element.storey) == (&first.class, &first.storey)
-                && !stem.is_empty()
-                && seen.insert(element.mesh.materials[0].0)
-        })
-        .count()
+    let mut is_part = |element: &Element, number: usize| {
+        let strip = |name: &'_ str| ending.strip(name, element, materials, number).map(str::len);
+        let is_named = ending.strip(&element.source_name, element, materials, number) == Some(stem)
+            && ending.strip(&element.path, element, materials, number) == Some(path)
+            && strip(&element.name).is_some();
+        // With an id of its own it is an element of its own.
+        is_named
+            && !stem.is_empty()
+            && element.id == element.path
+            && (&element.class, &element.storey) == (&first.class, &first.storey)
+            && element.mesh.materials.iter().all(|m| *m == element.mesh.materials[0])
+            && seen.insert(element.mesh.materials[0].0)
+    };
+    elements.iter().zip(1..).take_while(|(element, number)| is_part(element, *number)).count()
 }
 
 /// `text` without its last `length` bytes.
@@ -203,6 +227,15 @@ mod tests {
         let open = a_box([a, a, a, b, b, b]);
         let (open, _) = open.rsplit_once('f').unwrap();
         assert_eq!(names(&read(open)).len(), 2);
+        // The name of the whole is another's identity.
+        let (a, b) = (("wall_1", "plaster"), ("wall_2", "brick"));
+        let text = format!("{}o other#wall\nf -8 -7 -6\n", a_box([a, a, a, b, b, b]));
+        assert_eq!(names(&read(&text)).len(), 3);
+        // A second whole of one name.
+        let again = a_box([("wall.1", "plaster"); 6].map(|p| p)).replace("f ", "f ");
+        let (c, d) = (("wall-1", "plaster"), ("wall-2", "brick"));
+        let twice = format!("{}{again}{}", a_box([a, a, a, b, b, b]), a_box([c, c, c, d, d, d]));
+        assert!(names(&read(&twice)).len() > 2);
         // Where the whole is there too, they are something else.
         let whole = open.replace("_1", "").replace("_2", "");
         assert_eq!(names(&read(&format!("{}{whole}", a_box([a, a, a, b, b, b])))).len(), 3);

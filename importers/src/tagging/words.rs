@@ -1,6 +1,7 @@
 //! What a name says by itself: a semantic word (`ROOM_kitchen`, `kitchen-room`) or an IFC class (`IfcWall/Wall 1`).
 
 use crate::semantic::Semantic;
+pub(super) use crate::semantic::class_in;
 
 /// Longest text that can be a semantic word, bytes; longer ones need no look.
 const LONGEST_WORD: usize = 32;
@@ -60,15 +61,6 @@ pub(super) fn semantic_in(name: &str) -> Option<Semantic> {
         }
     }
     suffix()
-}
-
-/// The IFC class with which `name` begins, as some tools write it (`IfcWall/Wall 1`, `IfcDoor.003`, `IfcSlab`).
-pub(super) fn class_in(name: &str) -> Option<&str> {
-    let name = name.trim_start();
-    let end = name.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(name.len());
-    let class = &name[..end];
-    let is_ifc = class.len() > 3 && class.as_bytes()[..3].eq_ignore_ascii_case(b"ifc");
-    is_ifc.then_some(class)
 }
 
 fn is_separator(c: char) -> bool {
