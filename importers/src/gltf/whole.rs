@@ -130,7 +130,7 @@ fn is_named_after(root: &json::Root, graph: &Graph, shown: &Visit, owner: usize)
     let above = name(graph.visits[owner].node);
     let own = name(shown.node);
     let is_number = |rest: &str| {
-        let digits = rest.trim_start_matches(|c: char| matches!(c, '_' | '-' | '.' | ' ' | ':'));
+        let digits = rest.trim_start_matches(['_', '-', '.', ' ', ':']);
         rest.is_empty() || (digits.len() < rest.len() && digits.chars().all(|c| c.is_ascii_digit()))
     };
     let after = || own.strip_prefix(above).is_some_and(is_number);

@@ -232,10 +232,9 @@ mod tests {
         let text = format!("{}o other#wall\nf -8 -7 -6\n", a_box([a, a, a, b, b, b]));
         assert_eq!(names(&read(&text)).len(), 3);
         // A second whole of one name.
-        let again = a_box([("wall.1", "plaster"); 6].map(|p| p)).replace("f ", "f ");
         let (c, d) = (("wall-1", "plaster"), ("wall-2", "brick"));
-        let twice = format!("{}{again}{}", a_box([a, a, a, b, b, b]), a_box([c, c, c, d, d, d]));
-        assert!(names(&read(&twice)).len() > 2);
+        let twice = format!("{}{}", a_box([a, a, a, b, b, b]), a_box([c, c, c, d, d, d]));
+        assert_eq!(names(&read(&twice)), [("wall", 12), ("wall-1", 6), ("wall-2", 6)]);
         // Where the whole is there too, they are something else.
         let whole = open.replace("_1", "").replace("_2", "");
         assert_eq!(names(&read(&format!("{}{whole}", a_box([a, a, a, b, b, b])))).len(), 3);
