@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+#[cfg(feature = "obj")]
 use std::ops::Range;
 
 use crate::error::{ImportError, ImportErrorKind};
@@ -260,17 +261,20 @@ impl ModelBuilder {
     }
 
     /// The elements so far.
+    #[cfg(feature = "obj")]
     pub(crate) fn elements(&self) -> &[Element] {
         &self.model.elements
     }
 
     /// The materials so far.
+    #[cfg(feature = "obj")]
     pub(crate) fn materials(&self) -> &[Material] {
         &self.model.materials
     }
 
     /// Makes one element of several: the first, without the last `ending` bytes of its names, with the triangles of
     /// all. The others are gone when the model is finished.
+    #[cfg(feature = "obj")]
     pub(crate) fn join(&mut self, parts: Range<usize>, ending: usize) {
         let Some(first) = parts.clone().next() else { return };
         self.close();

@@ -225,6 +225,7 @@ impl FromStr for Semantic {
 }
 
 /// The IFC class with which `name` begins, as some tools write it (`IfcWall/Wall 1`, `IfcDoor.003`, `IfcSlab`).
+#[cfg(any(feature = "gltf", feature = "rules"))]
 pub(crate) fn class_in(name: &str) -> Option<&str> {
     let name = name.trim_start();
     let end = name.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(name.len());
