@@ -74,6 +74,8 @@ pub mod render;
 pub mod roles;
 pub mod scene;
 #[cfg(feature = "compile")]
+pub mod sew;
+#[cfg(feature = "compile")]
 mod shells;
 #[cfg(feature = "compile")]
 mod splitmix;

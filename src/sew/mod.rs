@@ -1,0 +1,161 @@
+//! From the cells of a partition to a generalized map.
+//!
+//! `docs/TOPOLOGY.md` tells the method. In short: what two cells have in common, a part of a floor and a ceiling or of two
+//! sides, is one face, a convex polygon whose corners are known exactly ([`faces`]); an edge ends at every vertex that lies on
+//! it ([`split`]); then each face becomes darts on both its sides, and edges of a cell that are equal are linked.
+
+mod faces;
+mod heights;
+mod overlay;
+mod split;
+#[cfg(test)]
+mod tests;
+mod vertices;
+
+use crate::gmap::{Dart, GMap};
+use crate::partition::cells::{NONE, Partition};
+
+/// A face of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sewn {
+    /// The cell on its first side: below, or the one with the lower number.
+    pub one: u32,
+    /// The cell on its other side; [`NONE`] for the hull's outside.
+    pub other: u32,
+    /// A dart of it on the first side: at its first corner, on its first edge.
+    pub dart: Dart,
+    /// How it lies.
+    pub way: Way,
+}
+
+/// How a face lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Way {
+    /// In the plane of this number: the first cell's ceiling, the other's floor.
+    Level(u32),
+    /// Upright.
+    Upright,
+}
+
+/// The map of a partition.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    /// The map. Every cell of the partition is a volume.
+    pub map: GMap,
+    /// Its faces, in the order of their darts.
+    pub faces: Vec<Sewn>,
+    /// By dart: the number of its vertex.
+    pub vertex_of: Vec<u32>,
+    /// By dart: the cell.
+    pub cell_of: Vec<u32>,
+    /// Where the vertices are, lattice units.
+    pub points: Vec<[f64; 3]>,
+    /// Heights that were made one, because rounding has a ceiling below its floor: how many, and the largest difference,
+    /// lattice units.
+    pub joined: (u64, f64),
+}
+
+/// What does not fit.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TopologyError {
+    /// An edge of a cell does not have two faces.
+    #[error("cell {cell}: the edge from {from:?} to {to:?} (lattice units) has {faces} faces")]
+    Edge {
+        /// The cell.
+        cell: u32,
+        /// One end.
+        from: [f64; 3],
+        /// The other.
+        to: [f64; 3],
+        /// Of how many faces it is an edge.
+        faces: usize,
+    },
+}
+
+/// Builds the map of a partition.
+///
+/// # Errors
+/// [`TopologyError`]: the cells' surfaces are not closed.
+pub fn sew(partition: &Partition) -> Result<Topology, TopologyError> {
+    let borders = faces::borders(partition);
+    // Where corners are is known before which of them are one.
+    let apart = heights::Heights::default();
+    let mut draft = vertices::Vertices::new(partition, &apart);
+    faces::gather(partition, &borders, &apart, &mut draft);
+    let heights = heights::Heights::of(partition, &draft.sites);
+    let mut vertices = vertices::Vertices::new(partition, &heights);
+    let mut faces = faces::gather(partition, &borders, &heights, &mut vertices);
+    split::split(&mut faces, &vertices);
+    build(partition, faces, vertices, &heights)
+}
+
+fn build(
+    partition: &Partition,
+    faces: Vec<faces::Polygon>,
+    vertices: vertices::Vertices<'_>,
+    heights: &heights::Heights,
+) -> Result<Topology, TopologyError> {
+    let count: usize = faces.iter().map(|f| f.corners.len() * if f.other == NONE { 2 } else { 4 }).sum();
+    let mut topology = Topology {
+        map: GMap::with_capacity(count),
+        faces: Vec::with_capacity(faces.len()),
+        vertex_of: Vec::with_capacity(count),
+        cell_of: Vec::with_capacity(count),
+        points: vertices.points(),
+        joined: heights.joined(),
+    };
+    // By cell: the darts at the starts of its faces' edges.
+    let mut edges: Vec<Vec<([u32; 2], Dart)>> = vec![Vec::new(); partition.cells.len()];
+    for face in &faces {
+        let sides: Vec<u32> = [face.one, face.other].into_iter().filter(|&cell| cell != NONE).collect();
+        let firsts: Vec<Dart> = sides.iter().map(|&cell| topology.add(face, cell, &mut edges)).collect();
+        if let [one, other] = firsts[..] {
+            // Made alike: dart by dart.
+            for k in 0..2 * face.corners.len() {
+                let dart = |first: Dart| topology.map.dart(first.index() + k);
+                if let (Some(a), Some(b)) = (dart(one), dart(other)) {
+                    topology.map.link(3, a, b);
+                }
+            }
+        }
+        topology.faces.push(Sewn { one: face.one, other: face.other, dart: firsts[0], way: face.way });
+    }
+    for (cell, mut own) in edges.into_iter().enumerate() {
+        own.sort_unstable();
+        for run in own.chunk_by(|a, b| a.0 == b.0) {
+            let [(ends, a), (_, b)] = run[..] else {
+                let point = |v: u32| topology.points[v as usize];
+                let [from, to] = run[0].0.map(point);
+                return Err(TopologyError::Edge { cell: cell as u32, from, to, faces: run.len() });
+            };
+            let (a0, b0) = (topology.map.alpha(0, a), topology.map.alpha(0, b));
+            let starts_low = |dart: Dart| topology.vertex_of[dart.index()] == ends[0];
+            if starts_low(a) == starts_low(b) {
+                topology.map.link(2, a, b);
+                topology.map.link(2, a0, b0);
+            } else {
+                topology.map.link(2, a, b0);
+                topology.map.link(2, a0, b);
+            }
+        }
+    }
+    Ok(topology)
+}
+
+impl Topology {
+    /// Adds one side of a face.
+    fn add(&mut self, face: &faces::Polygon, cell: u32, edges: &mut [Vec<([u32; 2], Dart)>]) -> Dart {
+        let first = self.map.add_face(face.corners.len());
+        for (k, corner) in face.corners.iter().enumerate() {
+            let next = face.corners[(k + 1) % face.corners.len()].vertex;
+            self.vertex_of.extend([corner.vertex, next]);
+            self.cell_of.extend([cell; 2]);
+            if let Some(dart) = self.map.dart(first.index() + 2 * k) {
+                let ends = [corner.vertex.min(next), corner.vertex.max(next)];
+                edges[cell as usize].push((ends, dart));
+            }
+        }
+        first
+    }
+}

@@ -1,0 +1,128 @@
+//! Edges end at every vertex that lies on them, so that all faces around an edge have the same.
+
+use std::cmp::Ordering;
+use std::collections::HashMap;
+
+use super::faces::{Corner, Polygon};
+use super::vertices::Vertices;
+use crate::lattice::{Point, Site};
+
+/// Puts the vertices that lie on the edges of faces between their corners.
+pub(super) fn split(faces: &mut Vec<Polygon>, vertices: &Vertices<'_>) {
+    let grid = Grid::new(&vertices.sites);
+    // By line, and the sites of the ends: the sites between.
+    let mut known: HashMap<[u32; 2], Vec<u32>> = HashMap::new();
+    for face in faces.iter_mut() {
+        let mut corners = Vec::with_capacity(face.corners.len());
+        for (k, &corner) in face.corners.iter().enumerate() {
+            corners.push(corner);
+            let next = face.corners[(k + 1) % face.corners.len()].vertex;
+            let Some((line, planes)) = corner.edge else {
+                let between = vertices.between(corner.vertex, next);
+                corners.extend(between.into_iter().map(|vertex| Corner { vertex, edge: None }));
+                continue;
+            };
+            let ends = [corner.vertex, next].map(|vertex| vertices.site_of(vertex));
+            let between = known.entry(ends).or_insert_with(|| {
+                let [a, b] = ends.map(|end| &vertices.sites[end as usize]);
+                grid.between(&vertices.sites, line, a, b)
+            });
+            corners.extend(between.iter().filter_map(|&site| {
+                let vertex = planes.iter().find_map(|&plane| vertices.find(site, plane))?;
+                Some(Corner { vertex, edge: corner.edge })
+            }));
+        }
+        face.corners = corners;
+        without_spikes(&mut face.corners);
+    }
+    faces.retain(|face| face.corners.len() > 2);
+}
+
+/// Takes out edges that a face goes along and straight back: there its floor and its ceiling are one.
+fn without_spikes(corners: &mut Vec<Corner>) {
+    let mut i = 0;
+    let mut left = corners.len();
+    while corners.len() > 2 && left > 0 {
+        let count = corners.len();
+        let (tip, back) = ((i + 1) % count, (i + 2) % count);
+        if corners[i % count].vertex == corners[back].vertex {
+            // What goes on from here is what went on from where it came back.
+            corners[i % count] = corners[back];
+            for gone in [tip.max(back), tip.min(back)] {
+                corners.remove(gone);
+            }
+            (i, left) = (0, corners.len());
+        } else {
+            i += 1;
+            left -= 1;
+        }
+    }
+}
+
+/// Sites in square buckets.
+pub(super) struct Grid {
+    lo: [f64; 2],
+    size: f64,
+    across: [usize; 2],
+    buckets: Vec<Vec<u32>>,
+}
+
+impl Grid {
+    pub(super) fn new(sites: &[Site]) -> Grid {
+        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for site in sites {
+            for axis in 0..2 {
+                lo[axis] = lo[axis].min(site.along(axis));
+                hi[axis] = hi[axis].max(site.along(axis));
+            }
+        }
+        let extent = (0..2).map(|axis| hi[axis] - lo[axis]).fold(1.0, f64::max);
+        let most = (sites.len() as f64).sqrt().clamp(1.0, 512.0);
+        let size = extent / most;
+        let across = [0, 1].map(|axis| ((hi[axis] - lo[axis]).max(0.0) / size) as usize + 1);
+        let mut grid = Grid { lo, size, across, buckets: vec![Vec::new(); across[0] * across[1]] };
+        for (number, site) in sites.iter().enumerate() {
+            let [x, y] = [0, 1].map(|axis| grid.bucket(site.along(axis), axis));
+            grid.buckets[y * across[0] + x].push(number as u32);
+        }
+        grid
+    }
+
+    fn bucket(&self, at: f64, axis: usize) -> usize {
+        (((at - self.lo[axis]) / self.size).max(0.0) as usize).min(self.across[axis] - 1)
+    }
+
+    /// The sites strictly between two on a line, from the first to the second.
+    pub(super) fn between(&self, sites: &[Site], line: [Point; 2], a: &Site, b: &Site) -> Vec<u32> {
+        let order = a.compare(b);
+        let mut found = Vec::new();
+        let [from, to] = [a, b].map(|end| [0, 1].map(|axis| end.along(axis)));
+        let rows = [self.bucket(from[1].min(to[1]), 1), self.bucket(from[1].max(to[1]), 1)];
+        for y in rows[0]..=rows[1] {
+            // What of the edge is in this row of buckets, and a little more.
+            let low = self.lo[1] + y as f64 * self.size;
+            let share = |height: f64| {
+                let rise = to[1] - from[1];
+                if rise == 0.0 { None } else { Some(((height - from[1]) / rise).clamp(0.0, 1.0)) }
+            };
+            let at = |share: f64| from[0] + share * (to[0] - from[0]);
+            let (one, other) = match (share(low - 1.0), share(low + self.size + 1.0)) {
+                (Some(one), Some(other)) => (at(one), at(other)),
+                _ => (from[0], to[0]),
+            };
+            let columns = [self.bucket(one.min(other) - 1.0, 0), self.bucket(one.max(other) + 1.0, 0)];
+            for x in columns[0]..=columns[1] {
+                found.extend(self.buckets[y * self.across[0] + x].iter().copied().filter(|&number| {
+                    let site = &sites[number as usize];
+                    let is_between = a.compare(site) == order && site.compare(b) == order;
+                    is_between && site.side(line) == 0
+                }));
+            }
+        }
+        found.sort_by(|&p, &q| {
+            let along = sites[p as usize].compare(&sites[q as usize]);
+            if order == Ordering::Less { along } else { along.reverse() }
+        });
+        found
+    }
+}
