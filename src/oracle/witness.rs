@@ -123,13 +123,19 @@ impl<'a> Search<'a> {
             return None;
         }
         let (near, ends) = self.surroundings();
+        let (places, partly) = self.places(&near);
+        self.best_of(places, &ends).or_else(|| self.best_of(partly, &ends))
+    }
+
+    /// The smallest displacement found at some shifts across the ray, from the smallest to the largest.
+    fn best_of(&self, places: Vec<Point>, ends: &[f64]) -> Option<f64> {
         let mut best: Option<f64> = None;
-        for w in self.places(&near) {
+        for w in places {
             let size = (w[0] * w[0] + w[1] * w[1]).sqrt();
             if best.is_some_and(|best| size >= best) {
                 break;
             }
-            if let Some(found) = self.try_at(w, size, &ends) {
+            if let Some(found) = self.try_at(w, size, ends) {
                 best = Some(best.map_or(found, |best| best.min(found)));
             }
         }
@@ -181,8 +187,8 @@ impl<'a> Search<'a> {
         (near, ends)
     }
 
-    /// Shifts across the ray to try, from the smallest to the largest.
-    fn places(&self, near: &[u32]) -> Vec<Point> {
+    /// Shifts across the ray to try, from the smallest to the largest; and others, if none of these will do.
+    fn places(&self, near: &[u32]) -> (Vec<Point>, Vec<Point>) {
         let mut arrangement = Arrangement::new(self.truth.tolerance, self.step);
         let mut levels = self.levels();
         if let Sought::Hit { t, .. } = self.sought {
@@ -201,22 +207,26 @@ impl<'a> Search<'a> {
                 if self.is_close(corners, p) {
                     let normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
                     arrangement.add_line(self.project(normal), dot(normal, sub(corners[0], p)));
-                    // A part of the way may do: the start, moved along the ray, has left the surface as well, and what is met
-                    // far off moves by less.
-                    let way = self.project(sub(closest_point(corners, p), p));
-                    direct.extend([0.25, 0.5, 0.75, 1.0].map(|share| way.map(|c| share * c)));
+                    direct.push(self.project(sub(closest_point(corners, p), p)));
                 }
             }
         }
+        // A part of the way may do: the start, moved along the ray, has left the surface as well, and what is met far off
+        // moves by less.
+        let shares = [0.25, 0.5, 0.75];
+        let mut partly: Vec<Point> =
+            direct.iter().flat_map(|way| shares.map(|share| way.map(|c| share * c))).collect();
         let mut places = arrangement.points();
         // None across: a start that is moved along the ray, or a sliver that it passes.
         places.push([0.0; 2]);
-        places.extend(direct.into_iter().filter(|w| w[0].hypot(w[1]) <= self.truth.tolerance));
-        places.sort_by(|a, b| {
+        let is_near = |w: &Point| w[0].hypot(w[1]) <= self.truth.tolerance;
+        places.extend(direct.into_iter().filter(is_near));
+        partly.retain(is_near);
+        for places in [&mut places, &mut partly] {
             let square = |p: &Point| p[0] * p[0] + p[1] * p[1];
-            square(a).total_cmp(&square(b))
-        });
-        places
+            places.sort_by(|a, b| square(a).total_cmp(&square(b)));
+        }
+        (places, partly)
     }
 
     fn project(&self, v: [f64; 3]) -> Point {
