@@ -1,8 +1,8 @@
 //! From the cells of a partition to a generalized map.
 //!
 //! `docs/TOPOLOGY.md` tells the method. In short: what two cells have in common, a part of a floor and a ceiling or of two
-//! sides, is one face, a convex polygon whose corners are known exactly ([`faces`]); an edge ends at every vertex that lies on
-//! it ([`split`]); then each face becomes darts on both its sides, and edges of a cell that are equal are linked.
+//! sides, is one face, a convex polygon whose corners are known exactly (`faces`, `upright`); an edge ends at every vertex that
+//! lies on it (`split`); then each face becomes darts on both its sides, and edges of a cell that are equal are linked.
 
 mod faces;
 mod heights;
@@ -10,10 +10,17 @@ mod overlay;
 mod split;
 #[cfg(test)]
 mod tests;
+mod upright;
 mod vertices;
 
+use std::collections::HashSet;
+
 use crate::gmap::{Dart, GMap};
+use crate::lattice::Site;
 use crate::partition::cells::{NONE, Partition};
+use faces::Polygon;
+use heights::Heights;
+use vertices::Vertices;
 
 /// A face of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,24 +84,30 @@ pub enum TopologyError {
 ///
 /// # Errors
 /// [`TopologyError`]: the cells' surfaces are not closed.
+///
+/// # Panics
+/// If an index in the partition is out of range: none is in what [`partition`](crate::partition::partition) makes.
 pub fn sew(partition: &Partition) -> Result<Topology, TopologyError> {
-    let borders = faces::borders(partition);
-    // Where corners are is known before which of them are one.
-    let apart = heights::Heights::default();
-    let mut draft = vertices::Vertices::new(partition, &apart);
-    faces::gather(partition, &borders, &apart, &mut draft);
-    let heights = heights::Heights::of(partition, &draft.sites);
-    let mut vertices = vertices::Vertices::new(partition, &heights);
-    let mut faces = faces::gather(partition, &borders, &heights, &mut vertices);
+    let levels = faces::levels(partition);
+    let mut seen = HashSet::new();
+    let corners = levels.iter().flat_map(|level| &level.corners);
+    let sites: Vec<Site> = corners.map(|corner| corner.at).filter(|site| seen.insert(*site)).collect();
+    let heights = Heights::of(partition, &sites);
+    let mut vertices = Vertices::new(partition, &heights);
+    let mut faces: Vec<Polygon> = Vec::new();
+    for border in faces::borders(partition) {
+        faces.extend(upright::upright(partition, &border, &heights, &mut vertices));
+    }
+    faces.extend(levels.iter().filter_map(|level| level.polygon(&mut vertices)));
     split::split(&mut faces, &vertices);
     build(partition, faces, vertices, &heights)
 }
 
 fn build(
     partition: &Partition,
-    faces: Vec<faces::Polygon>,
-    vertices: vertices::Vertices<'_>,
-    heights: &heights::Heights,
+    faces: Vec<Polygon>,
+    vertices: Vertices<'_>,
+    heights: &Heights,
 ) -> Result<Topology, TopologyError> {
     let count: usize = faces.iter().map(|f| f.corners.len() * if f.other == NONE { 2 } else { 4 }).sum();
     let mut topology = Topology {
@@ -145,7 +158,7 @@ fn build(
 
 impl Topology {
     /// Adds one side of a face.
-    fn add(&mut self, face: &faces::Polygon, cell: u32, edges: &mut [Vec<([u32; 2], Dart)>]) -> Dart {
+    fn add(&mut self, face: &Polygon, cell: u32, edges: &mut [Vec<([u32; 2], Dart)>]) -> Dart {
         let first = self.map.add_face(face.corners.len());
         for (k, corner) in face.corners.iter().enumerate() {
             let next = face.corners[(k + 1) % face.corners.len()].vertex;
