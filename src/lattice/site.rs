@@ -44,6 +44,7 @@ impl Site {
     }
 
     fn reduced(x: i128, y: i128, w: i128) -> Site {
+        // Not 0, as w is not.
         let common = gcd(gcd(x.unsigned_abs(), y.unsigned_abs()), w.unsigned_abs()) as i128;
         let common = if w < 0 { -common } else { common };
         Site { x: x / common, y: y / common, w: w / common }
@@ -90,11 +91,12 @@ fn compare(a: [i128; 2], b: [i128; 2]) -> Ordering {
     whole(a).cmp(&whole(b)).then_with(|| (rest(a) * b[1]).cmp(&(rest(b) * a[1])))
 }
 
+/// 0 of 0 and 0.
 fn gcd(mut a: u128, mut b: u128) -> u128 {
     while b != 0 {
         (a, b) = (b, a % b);
     }
-    a.max(1)
+    a
 }
 
 #[cfg(test)]
@@ -121,6 +123,10 @@ mod tests {
         assert_eq!(Site::crossing(ends, ends), None);
         let axes = [[Point::new(-3, 0), Point::new(5, 0)], [Point::new(2, -7), Point::new(2, 9)]];
         assert_eq!(Site::crossing(axes[0], axes[1]).unwrap().on_lattice(), Some(Point::new(2, 0)));
+        // The origin is in lowest terms too.
+        let through = [[Point::new(-6, -3), Point::new(6, 3)], [Point::new(-2, 4), Point::new(2, -4)]];
+        assert_eq!(Site::crossing(through[0], through[1]), Some(Point::new(0, 0).into()));
+        assert_eq!(Site::between(through[0], 7, 14), Point::new(0, 0).into());
         let half = Site::crossing([Point::new(0, 0), Point::new(1, 1)], [Point::new(0, 1), Point::new(1, 0)]);
         let half = half.unwrap();
         assert_eq!((half.on_lattice(), half.along(0), half.scale()), (None, 0.5, 2));

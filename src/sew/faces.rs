@@ -31,8 +31,8 @@ pub(super) struct Polygon {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub(super) vertex: u32,
-    /// Over which line of the plan the edge goes, and in which planes; upright edges go over none.
-    pub(super) edge: Option<([Point; 2], [u32; 2])>,
+    /// Over which line of the plan the edge goes, and in which plane; upright edges go over none.
+    pub(super) edge: Option<([Point; 2], u32)>,
 }
 
 /// The borders of all cells, each once.
@@ -91,6 +91,7 @@ fn shared([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<[Point; 2]> {
 pub(super) struct Level {
     one: u32,
     other: u32,
+    way: Way,
     plane: u32,
     pub(super) corners: Vec<overlay::Corner>,
 }
@@ -101,7 +102,7 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
     for (one, cell) in partition.cells.iter().enumerate() {
         let footprint: Vec<Point> = partition.footprint(cell).collect();
         let covers = |range: &Range<u32>| &partition.covers[range.start as usize..range.end as usize];
-        let mut add = |other: u32, plane: u32| {
+        let mut add = |other: u32, way: Way, plane: u32| {
             let corners = match other {
                 NONE => overlay::common(&footprint, &footprint),
                 other => {
@@ -109,11 +110,12 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
                     overlay::common(&footprint, &theirs)
                 }
             };
-            levels.push(Level { one: one as u32, other, plane, corners });
+            levels.push(Level { one: one as u32, other, way, plane, corners });
         };
-        covers(&cell.above).iter().for_each(|cover| add(cover.cell, cell.ceiling));
+        let ceiling = Way::Ceiling(cell.ceiling);
+        covers(&cell.above).iter().for_each(|cover| add(cover.cell, ceiling, cell.ceiling));
         if covers(&cell.below).iter().any(|cover| cover.cell == NONE) {
-            add(NONE, cell.floor);
+            add(NONE, Way::Floor(cell.floor), cell.floor);
         }
     }
     levels
@@ -123,11 +125,11 @@ impl Level {
     /// The face; `None` if nothing is left of it.
     pub(super) fn polygon(&self, vertices: &mut Vertices<'_>) -> Option<Polygon> {
         let corner = |corner: &overlay::Corner| Corner {
-            vertex: vertices.at(corner.at, &[self.plane]),
-            edge: Some((corner.line, [self.plane; 2])),
+            vertex: vertices.at(corner.at, self.plane),
+            edge: Some((corner.line, self.plane)),
         };
         let corners = self.corners.iter().map(corner).collect();
-        polygon(self.one, self.other, Way::Level(self.plane), corners)
+        polygon(self.one, self.other, self.way, corners)
     }
 }
 

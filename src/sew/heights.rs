@@ -10,29 +10,58 @@ use crate::lattice::{FINE, Point, Site};
 use crate::partition::cells::Partition;
 
 /// Heights over sites, as [`Site::height`] has them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Heights {
+    /// All places where faces have corners.
+    sites: Vec<Site>,
+    grid: Grid,
     /// By site: ranges of heights that are one, ascending, apart from each other.
     joined: HashMap<Site, Vec<[i128; 2]>>,
+    /// The sites that have such, and where they are.
+    bent: Vec<Site>,
+    bent_grid: Grid,
 }
 
 impl Heights {
-    /// Looks at all cells over the edges of their footprints: at the ends of these and at all `sites` on them.
-    pub(super) fn of(partition: &Partition, sites: &[Site]) -> Heights {
+    /// Looks at all cells, over the corners of their footprints and all `sites` in these. Among the sites must be all places
+    /// where the planes of cells beside each other cross over their border, so that planes keep their order from one site to the next.
+    pub(super) fn of(partition: &Partition, sites: Vec<Site>) -> Heights {
         let mut joined: HashMap<Site, Vec<[i128; 2]>> = HashMap::new();
-        let grid = Grid::new(sites);
+        let grid = Grid::new(&sites);
         for cell in &partition.cells {
             let corners: Vec<Point> = partition.footprint(cell).collect();
-            for (i, &from) in corners.iter().enumerate() {
-                let line = [from, corners[(i + 1) % corners.len()]];
-                let [start, end] = line.map(Site::from);
-                let between = grid.between(sites, line, &start, &end);
-                for site in [start].into_iter().chain(between.into_iter().map(|site| sites[site as usize])) {
-                    let height = |plane: u32| site.height(&partition.planes[plane as usize]);
-                    let (floor, ceiling) = (height(cell.floor), height(cell.ceiling));
-                    if ceiling < floor {
-                        joined.entry(site).or_default().push([ceiling, floor]);
+            let [floor, ceiling] = [cell.floor, cell.ceiling].map(|plane| &partition.planes[plane as usize]);
+            // The box of the part that has its ceiling below its floor, which ends at corners or between them.
+            let rise = |corner: &Point| ceiling.height(*corner) - floor.height(*corner);
+            let rises: Vec<i64> = corners.iter().map(rise).collect();
+            let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+            for (i, (&here, &from)) in corners.iter().zip(&rises).enumerate() {
+                let next = (i + 1) % corners.len();
+                let (there, to) = (corners[next], rises[next]);
+                let share =
+                    if (from < 0) == (to < 0) { 0.0 } else { from as f64 / (from as f64 - to as f64) };
+                let at =
+                    |start: i32, end: i32| f64::from(start) + share * (f64::from(end) - f64::from(start));
+                let crossing = [at(here.x, there.x), at(here.y, there.y)];
+                let corner = [f64::from(here.x), f64::from(here.y)];
+                let ends = [(from < 0).then_some(corner), (share > 0.0).then_some(crossing)];
+                for point in ends.into_iter().flatten() {
+                    for axis in 0..2 {
+                        bounds[0][axis] = bounds[0][axis].min(point[axis] - 1.0);
+                        bounds[1][axis] = bounds[1][axis].max(point[axis] + 1.0);
                     }
+                }
+            }
+            if rises.iter().all(|&rise| rise >= 0) {
+                continue;
+            }
+            let is_inside = |site: &Site| {
+                (0..corners.len()).all(|i| site.side([corners[i], corners[(i + 1) % corners.len()]]) >= 0)
+            };
+            for site in grid.within(bounds).map(|site| sites[site as usize]).filter(is_inside) {
+                let [floor, ceiling] = [floor, ceiling].map(|plane| site.height(plane));
+                if ceiling < floor {
+                    joined.entry(site).or_default().push([ceiling, floor]);
                 }
             }
         }
@@ -47,7 +76,24 @@ impl Heights {
             }
             *ranges = apart;
         }
-        Heights { joined }
+        // In an order that is always the same.
+        let mut bent: Vec<Site> = joined.keys().copied().collect();
+        bent.sort_unstable_by(Site::compare);
+        let bent_grid = Grid::new(&bent);
+        Heights { sites, grid, joined, bent, bent_grid }
+    }
+
+    /// The sites on an edge of the plan, ends included, from its start to its end, if heights were made one over any of them:
+    /// planes are straight only from each of these to the next.
+    pub(super) fn bends(&self, line: [Point; 2]) -> Option<Vec<Site>> {
+        let [start, end] = line.map(Site::from);
+        let is_bent = [start, end].iter().any(|site| self.joined.contains_key(site))
+            || !self.bent_grid.between(&self.bent, line, &start, &end).is_empty();
+        is_bent.then(|| {
+            let between = self.grid.between(&self.sites, line, &start, &end);
+            let between = between.into_iter().map(|site| self.sites[site as usize]);
+            [start].into_iter().chain(between).chain([end]).collect()
+        })
     }
 
     /// What a height over a site counts as.

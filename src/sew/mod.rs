@@ -39,7 +39,9 @@ pub struct Sewn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Way {
     /// In the plane of this number: the first cell's ceiling, the other's floor.
-    Level(u32),
+    Ceiling(u32),
+    /// In the plane of this number: the first cell's floor, on the ground of the hull.
+    Floor(u32),
     /// Upright.
     Upright,
 }
@@ -88,15 +90,16 @@ pub enum TopologyError {
 /// # Panics
 /// If an index in the partition is out of range: none is in what [`partition`](crate::partition::partition) makes.
 pub fn sew(partition: &Partition) -> Result<Topology, TopologyError> {
-    let levels = faces::levels(partition);
+    let (levels, borders) = (faces::levels(partition), faces::borders(partition));
     let mut seen = HashSet::new();
-    let corners = levels.iter().flat_map(|level| &level.corners);
-    let sites: Vec<Site> = corners.map(|corner| corner.at).filter(|site| seen.insert(*site)).collect();
-    let heights = Heights::of(partition, &sites);
+    let corners = levels.iter().flat_map(|level| &level.corners).map(|corner| corner.at);
+    let crossings = borders.iter().flat_map(|border| upright::crossings(partition, border));
+    let sites: Vec<Site> = corners.chain(crossings).filter(|site| seen.insert(*site)).collect();
+    let heights = Heights::of(partition, sites);
     let mut vertices = Vertices::new(partition, &heights);
     let mut faces: Vec<Polygon> = Vec::new();
-    for border in faces::borders(partition) {
-        faces.extend(upright::upright(partition, &border, &heights, &mut vertices));
+    for border in &borders {
+        upright::upright(partition, border, &heights, &mut vertices, &mut faces);
     }
     faces.extend(levels.iter().filter_map(|level| level.polygon(&mut vertices)));
     split::split(&mut faces, &vertices);
@@ -119,7 +122,7 @@ fn build(
         joined: heights.joined(),
     };
     // By cell: the darts at the starts of its faces' edges.
-    let mut edges: Vec<Vec<([u32; 2], Dart)>> = vec![Vec::new(); partition.cells.len()];
+    let mut edges: Vec<Vec<Edge>> = vec![Vec::new(); partition.cells.len()];
     for face in &faces {
         let sides: Vec<u32> = [face.one, face.other].into_iter().filter(|&cell| cell != NONE).collect();
         let firsts: Vec<Dart> = sides.iter().map(|&cell| topology.add(face, cell, &mut edges)).collect();
@@ -136,39 +139,63 @@ fn build(
     }
     for (cell, mut own) in edges.into_iter().enumerate() {
         own.sort_unstable();
-        for run in own.chunk_by(|a, b| a.0 == b.0) {
-            let [(ends, a), (_, b)] = run[..] else {
-                let point = |v: u32| topology.points[v as usize];
-                let [from, to] = run[0].0.map(point);
-                return Err(TopologyError::Edge { cell: cell as u32, from, to, faces: run.len() });
-            };
-            let (a0, b0) = (topology.map.alpha(0, a), topology.map.alpha(0, b));
-            let starts_low = |dart: Dart| topology.vertex_of[dart.index()] == ends[0];
-            if starts_low(a) == starts_low(b) {
-                topology.map.link(2, a, b);
-                topology.map.link(2, a0, b0);
-            } else {
-                topology.map.link(2, a, b0);
-                topology.map.link(2, a0, b);
+        for run in own.chunk_by(|a, b| a.ends == b.ends) {
+            // Where a cell has no height, an edge may lie in its floor and in its ceiling: two, over each other.
+            let pairs: Vec<&[Edge]> =
+                if run.len() == 2 { vec![run] } else { run.chunk_by(|a, b| a.part == b.part).collect() };
+            for pair in pairs {
+                let [a, b] = pair else {
+                    let [from, to] = run[0].ends.map(|v| topology.points[v as usize]);
+                    return Err(TopologyError::Edge { cell: cell as u32, from, to, faces: run.len() });
+                };
+                topology.fold(a, b);
             }
         }
     }
     Ok(topology)
 }
 
+/// An edge of a face of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    /// Its vertices, the lower number first.
+    ends: [u32; 2],
+    /// What the face is of the cell: 0 floor, 1 side, 2 ceiling.
+    part: u8,
+    /// The dart at its start.
+    start: Dart,
+}
+
 impl Topology {
     /// Adds one side of a face.
-    fn add(&mut self, face: &Polygon, cell: u32, edges: &mut [Vec<([u32; 2], Dart)>]) -> Dart {
+    fn add(&mut self, face: &Polygon, cell: u32, edges: &mut [Vec<Edge>]) -> Dart {
+        let part = match face.way {
+            Way::Upright => 1,
+            Way::Ceiling(_) if cell == face.one => 2,
+            Way::Ceiling(_) | Way::Floor(_) => 0,
+        };
         let first = self.map.add_face(face.corners.len());
         for (k, corner) in face.corners.iter().enumerate() {
             let next = face.corners[(k + 1) % face.corners.len()].vertex;
             self.vertex_of.extend([corner.vertex, next]);
             self.cell_of.extend([cell; 2]);
-            if let Some(dart) = self.map.dart(first.index() + 2 * k) {
+            if let Some(start) = self.map.dart(first.index() + 2 * k) {
                 let ends = [corner.vertex.min(next), corner.vertex.max(next)];
-                edges[cell as usize].push((ends, dart));
+                edges[cell as usize].push(Edge { ends, part, start });
             }
         }
         first
+    }
+
+    /// Links two faces of a cell along an edge that both have.
+    fn fold(&mut self, a: &Edge, b: &Edge) {
+        let (a0, b0) = (self.map.alpha(0, a.start), self.map.alpha(0, b.start));
+        if self.vertex_of[a.start.index()] == self.vertex_of[b.start.index()] {
+            self.map.link(2, a.start, b.start);
+            self.map.link(2, a0, b0);
+        } else {
+            self.map.link(2, a.start, b0);
+            self.map.link(2, a0, b.start);
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::vertices::Vertices;
 use crate::lattice::{Point, Site};
 
 /// Puts the vertices that lie on the edges of faces between their corners.
-pub(super) fn split(faces: &mut Vec<Polygon>, vertices: &Vertices<'_>) {
+pub(super) fn split(faces: &mut [Polygon], vertices: &Vertices<'_>) {
     let grid = Grid::new(&vertices.sites);
     // By line, and the sites of the ends: the sites between.
     let mut known: HashMap<[u32; 2], Vec<u32>> = HashMap::new();
@@ -17,7 +17,7 @@ pub(super) fn split(faces: &mut Vec<Polygon>, vertices: &Vertices<'_>) {
         for (k, &corner) in face.corners.iter().enumerate() {
             corners.push(corner);
             let next = face.corners[(k + 1) % face.corners.len()].vertex;
-            let Some((line, planes)) = corner.edge else {
+            let Some((line, plane)) = corner.edge else {
                 let between = vertices.between(corner.vertex, next);
                 corners.extend(between.into_iter().map(|vertex| Corner { vertex, edge: None }));
                 continue;
@@ -28,38 +28,16 @@ pub(super) fn split(faces: &mut Vec<Polygon>, vertices: &Vertices<'_>) {
                 grid.between(&vertices.sites, line, a, b)
             });
             corners.extend(between.iter().filter_map(|&site| {
-                let vertex = planes.iter().find_map(|&plane| vertices.find(site, plane))?;
+                let vertex = vertices.find(site, plane)?;
                 Some(Corner { vertex, edge: corner.edge })
             }));
         }
         face.corners = corners;
-        without_spikes(&mut face.corners);
-    }
-    faces.retain(|face| face.corners.len() > 2);
-}
-
-/// Takes out edges that a face goes along and straight back: there its floor and its ceiling are one.
-fn without_spikes(corners: &mut Vec<Corner>) {
-    let mut i = 0;
-    let mut left = corners.len();
-    while corners.len() > 2 && left > 0 {
-        let count = corners.len();
-        let (tip, back) = ((i + 1) % count, (i + 2) % count);
-        if corners[i % count].vertex == corners[back].vertex {
-            // What goes on from here is what went on from where it came back.
-            corners[i % count] = corners[back];
-            for gone in [tip.max(back), tip.min(back)] {
-                corners.remove(gone);
-            }
-            (i, left) = (0, corners.len());
-        } else {
-            i += 1;
-            left -= 1;
-        }
     }
 }
 
 /// Sites in square buckets.
+#[derive(Debug)]
 pub(super) struct Grid {
     lo: [f64; 2],
     size: f64,
@@ -90,6 +68,13 @@ impl Grid {
 
     fn bucket(&self, at: f64, axis: usize) -> usize {
         (((at - self.lo[axis]) / self.size).max(0.0) as usize).min(self.across[axis] - 1)
+    }
+
+    /// The sites in a box, and some beside it.
+    pub(super) fn within(&self, [lo, hi]: [[f64; 2]; 2]) -> impl Iterator<Item = u32> + '_ {
+        let [columns, rows] = [0, 1].map(|axis| self.bucket(lo[axis], axis)..=self.bucket(hi[axis], axis));
+        rows.flat_map(move |y| columns.clone().map(move |x| y * self.across[0] + x))
+            .flat_map(|bucket| self.buckets[bucket].iter().copied())
     }
 
     /// The sites strictly between two on a line, from the first to the second.

@@ -1,146 +1,141 @@
 //! The common part of the sides of two cells: over both floors and under both ceilings.
 //!
-//! All is linear over the border. Heights over its ends are within the hull, below 2^50 parts of a lattice unit; products of three
-//! of them do not occur.
+//! *Stations* cut a border so that the planes of both cells keep their order from each to the next: the places where they cross, and
+//! where [`Heights`] bends them all sites. Heights over the ends of a border are within the hull, below 2^50 parts of a
+//! lattice unit; products of three of them do not occur.
 
 use super::Way;
 use super::faces::{Border, Corner, Polygon, polygon};
 use super::heights::Heights;
 use super::vertices::Vertices;
 use crate::lattice::Site;
-use crate::partition::cells::{Cell, NONE, Partition};
+use crate::partition::cells::{NONE, Partition};
 
-/// A plane over an edge: its number, and its heights over the ends.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    plane: u32,
-    ends: [i128; 2],
+/// The planes of the cells on both sides of a border.
+struct Planes {
+    floors: Vec<u32>,
+    ceilings: Vec<u32>,
 }
 
-/// A share of an edge.
-#[derive(Clone, Copy, Debug)]
-struct Share {
-    part: i128,
-    whole: i128,
-}
-
-impl Share {
-    const START: Share = Share { part: 0, whole: 1 };
-    const END: Share = Share { part: 1, whole: 1 };
-
-    fn is_before(&self, other: &Share) -> bool {
-        self.part * other.whole < other.part * self.whole
+impl Planes {
+    fn of(partition: &Partition, border: &Border) -> Planes {
+        let cells = [border.one, border.other].into_iter().filter(|&cell| cell != NONE);
+        let cells = cells.map(|cell| &partition.cells[cell as usize]);
+        let (floors, ceilings) = cells.map(|cell| (cell.floor, cell.ceiling)).unzip();
+        Planes { floors, ceilings }
     }
 }
 
-impl Line {
-    /// The height at a share, times its `whole`.
-    fn at(&self, share: &Share) -> i128 {
-        self.ends[0] * share.whole + (self.ends[1] - self.ends[0]) * share.part
+/// Where planes of two cells cross over their border, strictly between its ends; in no order.
+pub(super) fn crossings(partition: &Partition, border: &Border) -> Vec<Site> {
+    let Planes { mut floors, ceilings } = Planes::of(partition, border);
+    floors.extend(ceilings);
+    let ends = border.ends.map(Site::from);
+    let mut found = Vec::new();
+    for (i, &a) in floors.iter().enumerate() {
+        for &b in floors[..i].iter().filter(|&&b| a != b) {
+            let [a, b] = [a, b].map(|plane| &partition.planes[plane as usize]);
+            let [start, end] = [0, 1].map(|k| ends[k].height(a) - ends[k].height(b));
+            if (start > 0 && end < 0) || (start < 0 && end > 0) {
+                found.push(Site::between(border.ends, start.abs(), (start - end).abs()));
+            }
+        }
     }
-
-    /// Where two lines cross between the ends.
-    fn crossing(&self, other: &Line) -> Option<Share> {
-        let [start, end] = [0, 1].map(|i| self.ends[i] - other.ends[i]);
-        let whole = (start - end).abs();
-        ((start > 0 && end < 0) || (start < 0 && end > 0)).then(|| Share { part: start.abs(), whole })
-    }
+    found
 }
 
-/// The common part of two upright sides.
+/// What is at a station.
+struct Station {
+    site: Site,
+    /// The planes that pass the upper of the floors there, and the lower of the ceilings.
+    low: Vec<u32>,
+    high: Vec<u32>,
+    /// Whether that ceiling is over that floor.
+    is_open: bool,
+    /// Whether it is on it.
+    is_closed: bool,
+}
+
+/// The common parts of two upright sides; more than one where they meet in between.
 pub(super) fn upright(
     partition: &Partition,
     border: &Border,
     heights: &Heights,
     vertices: &mut Vertices<'_>,
-) -> Option<Polygon> {
-    let line = |plane: u32| {
-        let height = |end: Site| heights.at(&end, end.height(&partition.planes[plane as usize]));
-        Line { plane, ends: border.ends.map(|end| height(end.into())) }
-    };
-    let cells = [border.one, border.other].into_iter().filter(|&cell| cell != NONE);
-    let cells: Vec<&Cell> = cells.map(|cell| &partition.cells[cell as usize]).collect();
-    let floors: Vec<Line> = cells.iter().map(|cell| line(cell.floor)).collect();
-    let ceilings: Vec<Line> = cells.iter().map(|cell| line(cell.ceiling)).collect();
-    // Where all ceilings are over all floors.
-    let (mut from, mut to) = (Share::START, Share::END);
-    for floor in &floors {
-        for ceiling in &ceilings {
-            let [start, end] = [0, 1].map(|i| ceiling.ends[i] - floor.ends[i]);
-            if start <= 0 && end <= 0 {
-                return None;
-            }
-            if let Some(crossing) = floor.crossing(ceiling) {
-                if start > 0 && crossing.is_before(&to) {
-                    to = crossing;
-                } else if start < 0 && from.is_before(&crossing) {
-                    from = crossing;
-                }
-            }
-        }
-    }
-    if !from.is_before(&to) {
-        return None;
-    }
-    let bends = |lines: &[Line]| {
-        let crossing = match lines {
-            [a, b] => a.crossing(b),
-            _ => None,
+    faces: &mut Vec<Polygon>,
+) {
+    let planes = Planes::of(partition, border);
+    let bends = heights.bends(border.ends);
+    let is_bent = bends.is_some();
+    let sites = bends.unwrap_or_else(|| {
+        let [start, end] = border.ends.map(Site::from);
+        let mut between = crossings(partition, border);
+        between
+            .sort_unstable_by(|a, b| if start.compare(&end).is_lt() { a.compare(b) } else { b.compare(a) });
+        between.dedup();
+        [start].into_iter().chain(between).chain([end]).collect()
+    });
+    let station = |site: Site| {
+        let of = |planes: &[u32], extreme: fn(i128, i128) -> i128| {
+            let heights: Vec<i128> = planes.iter().map(|&plane| vertices.height(&site, plane)).collect();
+            let best = heights.iter().copied().reduce(extreme).unwrap_or(0);
+            let through = planes.iter().zip(&heights).filter(|(_, height)| **height == best);
+            (best, through.map(|(&plane, _)| plane).collect::<Vec<u32>>())
         };
-        crossing.filter(|share| from.is_before(share) && share.is_before(&to))
+        let (floor, low) = of(&planes.floors, i128::max);
+        let (ceiling, high) = of(&planes.ceilings, i128::min);
+        Station { site, low, high, is_open: floor < ceiling, is_closed: floor == ceiling }
     };
-    let low = chain(&floors, [Some(from), bends(&floors), Some(to)], i128::max);
-    let high = chain(&ceilings, [Some(to), bends(&ceilings), Some(from)], i128::min);
-    let (low_end, high_end) = (low.len() - 1, low.len());
-    let mut made = [low, high].concat();
-    // Where floor and ceiling meet they are one vertex, which lies on planes of both.
-    let last = made.len() - 1;
-    let meets = |share: &Share| {
-        let floor = floors.iter().map(|l| l.at(share)).max();
-        floor == ceilings.iter().map(|l| l.at(share)).min()
-    };
-    for (a, b, share) in [(low_end, high_end, to), (0, last, from)] {
-        if meets(&share) {
-            let both = [made[a].planes.clone(), made[b].planes.clone()].concat();
-            (made[a].planes, made[b].planes) = (both.clone(), both);
+    let stations: Vec<Station> = sites.into_iter().map(station).collect();
+    let mut from = 0;
+    while from + 1 < stations.len() {
+        // From one station at which the sides meet, or end, to the next.
+        let opens = |k: usize| {
+            let (here, there) = (&stations[k], &stations[k + 1]);
+            (here.is_open && (there.is_open || there.is_closed)) || (here.is_closed && there.is_open)
+        };
+        if !opens(from) {
+            from += 1;
+            continue;
+        }
+        let mut to = from + 1;
+        while to + 1 < stations.len() && stations[to].is_open && opens(to) {
+            to += 1;
+        }
+        let part = &stations[from..=to];
+        let low: Vec<(Site, &[u32])> = part.iter().map(|s| (s.site, &s.low[..])).collect();
+        let high: Vec<(Site, &[u32])> = part.iter().rev().map(|s| (s.site, &s.high[..])).collect();
+        let mut corners = chain(&low, is_bent, border, vertices);
+        corners.extend(chain(&high, is_bent, border, vertices));
+        faces.extend(polygon(border.one, border.other, Way::Upright, corners));
+        from = to;
+    }
+}
+
+/// The lower or upper edge of a side, from its first station to its last; not the upright edge that follows. Where planes
+/// are straight, only stations at which it changes planes are corners.
+fn chain(
+    stations: &[(Site, &[u32])],
+    is_bent: bool,
+    border: &Border,
+    vertices: &mut Vertices<'_>,
+) -> Vec<Corner> {
+    let mut corners = Vec::with_capacity(stations.len());
+    // What the edge so far lies in.
+    let mut along: Vec<u32> = Vec::new();
+    for (k, &(site, planes)) in stations.iter().enumerate() {
+        let goes_on = |plane: &&u32| stations.get(k + 1).is_some_and(|next| next.1.contains(*plane));
+        let still: Vec<u32> = along.iter().filter(goes_on).copied().collect();
+        let is_last = k + 1 == stations.len();
+        if !is_last && !is_bent && !still.is_empty() {
+            along = still;
+            continue;
+        }
+        along = planes.iter().filter(goes_on).copied().collect();
+        let edge = along.first().map(|&plane| (border.ends, plane));
+        if let Some(&plane) = planes.first() {
+            corners.push(Corner { vertex: vertices.at(site, plane), edge });
         }
     }
-    let corners = made
-        .into_iter()
-        .map(|bend| Corner {
-            vertex: vertices.at(Site::between(border.ends, bend.share.part, bend.share.whole), &bend.planes),
-            edge: bend.edge.map(|planes| (border.ends, planes)),
-        })
-        .collect();
-    polygon(border.one, border.other, Way::Upright, corners)
-}
-
-/// A corner of the lower or upper edge of a side.
-#[derive(Clone, Debug)]
-struct Bend {
-    share: Share,
-    /// What passes it.
-    planes: Vec<u32>,
-    /// The planes of the edge from it to the next, if that is not upright.
-    edge: Option<[u32; 2]>,
-}
-
-/// The highest or lowest of some lines, from the first of the shares to the last.
-fn chain(lines: &[Line], shares: [Option<Share>; 3], extreme: fn(i128, i128) -> i128) -> Vec<Bend> {
-    let through = |share: &Share| -> Vec<u32> {
-        let best = lines.iter().map(|line| line.at(share)).reduce(extreme);
-        lines.iter().filter(|line| Some(line.at(share)) == best).map(|line| line.plane).collect()
-    };
-    let shares: Vec<Share> = shares.into_iter().flatten().collect();
-    let bend = |(k, &share): (usize, &Share)| {
-        let planes = through(&share);
-        // Lines that are extreme between two bends are so at both.
-        let edge = shares.get(k + 1).and_then(|next| {
-            let there = through(next);
-            let both = || planes.iter().copied().filter(|plane| there.contains(plane));
-            Some([both().next()?, both().next_back()?])
-        });
-        Bend { share, planes, edge }
-    };
-    shares.iter().enumerate().map(bend).collect()
+    corners
 }
