@@ -52,6 +52,8 @@ struct Readme;
 #[cfg(all(feature = "compile", feature = "render"))]
 pub mod bench;
 #[cfg(feature = "compile")]
+pub mod building;
+#[cfg(feature = "compile")]
 pub mod compile;
 #[cfg(feature = "compile")]
 pub mod components;

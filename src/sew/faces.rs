@@ -6,7 +6,7 @@ use super::Way;
 use super::overlay;
 use super::vertices::Vertices;
 use crate::lattice::{Point, orient};
-use crate::partition::cells::{Cell, NONE, Partition};
+use crate::partition::cells::{Cell, Cover, NONE, Partition, Section};
 
 /// A part of the side of a cell beyond which there is one other cell over or under others, or the outside.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +16,7 @@ pub(super) struct Border {
     pub(super) other: u32,
     /// In the plan, the first cell on the left.
     pub(super) ends: [Point; 2],
+    pub(super) source: u32,
 }
 
 /// A face in the making.
@@ -24,6 +25,7 @@ pub(super) struct Polygon {
     pub(super) one: u32,
     pub(super) other: u32,
     pub(super) way: Way,
+    pub(super) source: u32,
     pub(super) corners: Vec<Corner>,
 }
 
@@ -44,19 +46,20 @@ pub(super) fn borders(partition: &Partition) -> Vec<Border> {
         let own = &points[one];
         for (i, section) in sections(partition, cell).iter().enumerate() {
             let ends = [own[i], own[(i + 1) % own.len()]];
-            let faces = &partition.faces[section.faces.start as usize..section.faces.end as usize];
-            let mut beyond: Vec<u32> = faces.iter().map(|face| face.cover.cell).collect();
+            let mut beyond: Vec<u32> = beside(partition, section).map(|cover| cover.cell).collect();
             beyond.sort_unstable();
             beyond.dedup();
             for other in beyond {
-                let one = one as u32;
+                let (source, one) = (source_of(beside(partition, section), other), one as u32);
                 if other == NONE {
-                    borders.push(Border { one, other, ends });
+                    borders.push(Border { one, other, ends, source: NONE });
                 } else if one < other {
                     let theirs = &points[other as usize];
+                    let their_sections = sections(partition, &partition.cells[other as usize]);
                     borders.extend((0..theirs.len()).filter_map(|k| {
                         let ends = shared(ends, [theirs[k], theirs[(k + 1) % theirs.len()]])?;
-                        Some(Border { one, other, ends })
+                        let source = source.or_else(|| source_of(beside(partition, &their_sections[k]), one));
+                        Some(Border { one, other, ends, source: source.unwrap_or(NONE) })
                     }));
                 }
             }
@@ -65,8 +68,17 @@ pub(super) fn borders(partition: &Partition) -> Vec<Border> {
     borders
 }
 
-fn sections<'p>(partition: &'p Partition, cell: &Cell) -> &'p [crate::partition::cells::Section] {
+fn sections<'p>(partition: &'p Partition, cell: &Cell) -> &'p [Section] {
     &partition.sections[cell.sections.start as usize..cell.sections.end as usize]
+}
+
+fn beside<'p>(partition: &'p Partition, section: &Section) -> impl Iterator<Item = Cover> + 'p {
+    partition.faces[section.faces.start as usize..section.faces.end as usize].iter().map(|face| face.cover)
+}
+
+/// The surface towards a cell.
+fn source_of(mut covers: impl Iterator<Item = Cover>, beyond: u32) -> Option<u32> {
+    covers.find(|cover| cover.cell == beyond && cover.source != NONE).map(|cover| cover.source)
 }
 
 /// What two edges have in common that lie on one line and go opposite ways.
@@ -93,6 +105,7 @@ pub(super) struct Level {
     other: u32,
     way: Way,
     plane: u32,
+    source: u32,
     pub(super) corners: Vec<overlay::Corner>,
 }
 
@@ -102,7 +115,8 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
     for (one, cell) in partition.cells.iter().enumerate() {
         let footprint: Vec<Point> = partition.footprint(cell).collect();
         let covers = |range: &Range<u32>| &partition.covers[range.start as usize..range.end as usize];
-        let mut add = |other: u32, way: Way, plane: u32| {
+        let mut add = |cover: Cover, way: Way, plane: u32| {
+            let Cover { cell: other, source } = cover;
             let corners = match other {
                 NONE => overlay::common(&footprint, &footprint),
                 other => {
@@ -110,12 +124,21 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
                     overlay::common(&footprint, &theirs)
                 }
             };
-            levels.push(Level { one: one as u32, other, way, plane, corners });
+            levels.push(Level { one: one as u32, other, way, plane, source, corners });
         };
         let ceiling = Way::Ceiling(cell.ceiling);
-        covers(&cell.above).iter().for_each(|cover| add(cover.cell, ceiling, cell.ceiling));
-        if covers(&cell.below).iter().any(|cover| cover.cell == NONE) {
-            add(NONE, Way::Floor(cell.floor), cell.floor);
+        for &cover in covers(&cell.above) {
+            let from_above = || match cover.cell {
+                NONE => None,
+                above => {
+                    source_of(covers(&partition.cells[above as usize].below).iter().copied(), one as u32)
+                }
+            };
+            let source = if cover.source == NONE { from_above().unwrap_or(NONE) } else { cover.source };
+            add(Cover { source, ..cover }, ceiling, cell.ceiling);
+        }
+        if let Some(&ground) = covers(&cell.below).iter().find(|cover| cover.cell == NONE) {
+            add(ground, Way::Floor(cell.floor), cell.floor);
         }
     }
     levels
@@ -129,17 +152,22 @@ impl Level {
             edge: Some((corner.line, self.plane)),
         };
         let corners = self.corners.iter().map(corner).collect();
-        polygon(self.one, self.other, self.way, corners)
+        polygon([self.one, self.other], self.way, self.source, corners)
     }
 }
 
 /// The face, if it has three corners.
-pub(super) fn polygon(one: u32, other: u32, way: Way, mut corners: Vec<Corner>) -> Option<Polygon> {
+pub(super) fn polygon(
+    [one, other]: [u32; 2],
+    way: Way,
+    source: u32,
+    mut corners: Vec<Corner>,
+) -> Option<Polygon> {
     // An edge whose ends are one vertex is none.
     for i in (0..corners.len()).rev() {
         if corners.len() > 1 && corners[i].vertex == corners[(i + 1) % corners.len()].vertex {
             corners.remove(i);
         }
     }
-    (corners.len() > 2).then_some(Polygon { one, other, way, corners })
+    (corners.len() > 2).then_some(Polygon { one, other, way, source, corners })
 }

@@ -15,8 +15,10 @@ mod vertices;
 
 use std::collections::HashSet;
 
+use glam::DVec3;
+
 use crate::gmap::{Dart, GMap};
-use crate::lattice::Site;
+use crate::lattice::{Point, Site};
 use crate::partition::cells::{NONE, Partition};
 use faces::Polygon;
 use heights::Heights;
@@ -33,6 +35,9 @@ pub struct Sewn {
     pub dart: Dart,
     /// How it lies.
     pub way: Way,
+    /// Between air and matter: index of the triangles that make the surface there, in [`Partition::sources`]; else
+    /// [`NONE`].
+    pub source: u32,
 }
 
 /// How a face lies.
@@ -42,8 +47,9 @@ pub enum Way {
     Ceiling(u32),
     /// In the plane of this number: the first cell's floor, on the ground of the hull.
     Floor(u32),
-    /// Upright.
-    Upright,
+    /// Upright over an edge of the plan, with the first cell on its left: over the border of the two cells, of which the face
+    /// may have a part.
+    Upright([Point; 2]),
 }
 
 /// The map of a partition.
@@ -135,7 +141,13 @@ fn build(
                 }
             }
         }
-        topology.faces.push(Sewn { one: face.one, other: face.other, dart: firsts[0], way: face.way });
+        topology.faces.push(Sewn {
+            one: face.one,
+            other: face.other,
+            dart: firsts[0],
+            way: face.way,
+            source: face.source,
+        });
     }
     for (cell, mut own) in edges.into_iter().enumerate() {
         own.sort_unstable();
@@ -167,10 +179,22 @@ struct Edge {
 }
 
 impl Topology {
+    /// The area of a face, square lattice units.
+    ///
+    /// # Panics
+    /// If the map never had such a dart.
+    pub fn area(&self, dart: Dart) -> f64 {
+        let corner = |dart: Dart| DVec3::from(self.points[self.vertex_of[dart.index()] as usize]);
+        let mut corners = self.map.around_face(dart).map(corner);
+        let Some(first) = corners.next() else { return 0.0 };
+        let rest: Vec<DVec3> = corners.map(|corner| corner - first).collect();
+        rest.windows(2).map(|pair| pair[0].cross(pair[1])).sum::<DVec3>().length() / 2.0
+    }
+
     /// Adds one side of a face.
     fn add(&mut self, face: &Polygon, cell: u32, edges: &mut [Vec<Edge>]) -> Dart {
         let part = match face.way {
-            Way::Upright => 1,
+            Way::Upright(_) => 1,
             Way::Ceiling(_) if cell == face.one => 2,
             Way::Ceiling(_) | Way::Floor(_) => 0,
         };

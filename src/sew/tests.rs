@@ -44,7 +44,7 @@ fn check(name: &str, model: &Model) {
         match face.other {
             NONE => {
                 assert_eq!(beyond, face.dart, "{name}");
-                outside += area(&topology, face.dart);
+                outside += topology.area(face.dart);
             }
             other => assert_eq!(topology.cell_of[beyond.index()], other, "{name}"),
         }
@@ -52,18 +52,6 @@ fn check(name: &str, model: &Model) {
     let [x, y, z] = [0, 1, 2].map(|i| f64::from(partition.hull[1][i]) - f64::from(partition.hull[0][i]));
     let hull = 2.0 * (x * y + y * z + z * x);
     assert!((outside - hull).abs() <= 1e-9 * hull, "{name}: {outside} of {hull}");
-}
-
-/// Square lattice units.
-fn area(topology: &Topology, dart: Dart) -> f64 {
-    let corners: Vec<glam::DVec3> = topology
-        .map
-        .around_face(dart)
-        .map(|dart| topology.points[topology.vertex_of[dart.index()] as usize].into())
-        .collect();
-    let first = corners[0];
-    let twice: glam::DVec3 = corners.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum();
-    twice.length() / 2.0
 }
 
 fn bare_house() -> Building {

@@ -1,0 +1,228 @@
+//! The building: its map, with a meaning for every volume and every face.
+//!
+//! `docs/TOPOLOGY.md` tells how it is made. A volume of the map is a cell of the partition and has its label; a face has a
+//! [`FaceKind`], the element and the material whose surface it is, and its area. What users ask of a building is in
+//! [`Building::rooms`], [`Building::neighbours`], [`Building::areas`], [`Building::openings_between`], [`Building::way`].
+
+mod kind;
+mod looks;
+mod queries;
+#[cfg(test)]
+mod tests;
+mod way;
+
+use std::collections::BTreeMap;
+
+use enfilade_importers::{ElementId, MaterialId, Model, Semantic};
+
+use crate::gmap::Dart;
+use crate::lattice::{Lattice, Plane};
+use crate::partition::cells::{Label, NONE, Partition, Source};
+use crate::sew::{Sewn, Topology, TopologyError, Way as Lie, sew};
+
+use looks::Looks;
+
+pub use kind::{FaceKind, Facing};
+pub use way::{Way, WayOptions};
+
+/// A building.
+#[derive(Clone, Debug)]
+pub struct Building {
+    /// The grid of all coordinates.
+    pub lattice: Lattice,
+    /// The box that the volumes fill, lattice units.
+    pub hull: [[i32; 3]; 2],
+    /// Planes of floors and ceilings.
+    pub planes: Vec<Plane>,
+    /// The map, and where its vertices are.
+    pub topology: Topology,
+    /// What is known of each volume of the map.
+    pub volumes: Vec<Volume>,
+    /// What is known of each face, in the order of [`Topology::faces`].
+    pub faces: Vec<Face>,
+    /// The source's own triangles behind faces.
+    pub sources: Vec<Source>,
+    /// Triangles that no face stands for: element and index in its mesh, ascending.
+    pub detail: Vec<(ElementId, u32)>,
+    /// The model's elements, by [`ElementId`].
+    pub elements: Vec<Element>,
+    /// By label: its volumes, and what bounds it.
+    labels: BTreeMap<Label, Extent>,
+}
+
+/// A volume of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// What fills it.
+    pub label: Label,
+    /// Index of the plane of its floor.
+    pub floor: u32,
+    /// Index of the plane of its ceiling.
+    pub ceiling: u32,
+    /// One of its darts.
+    pub dart: Dart,
+}
+
+/// A face of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// What it separates.
+    pub kind: FaceKind,
+    /// The element whose surface it is, if it is one.
+    pub element: Option<ElementId>,
+    /// The material of that surface, if it is known.
+    pub material: Option<MaterialId>,
+    /// Square metres.
+    pub area: f64,
+}
+
+/// What a building knows of an element of its model.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Element {
+    /// Its identity.
+    pub id: String,
+    /// Its name; may be empty.
+    pub name: String,
+    /// Its path in the source.
+    pub path: String,
+    /// Its meaning.
+    pub semantic: Semantic,
+    /// The storey's name.
+    pub storey: Option<String>,
+    /// What it pierces or sits in.
+    pub host: Option<ElementId>,
+    /// What fills it.
+    pub filling: Option<ElementId>,
+}
+
+/// What bears one label.
+#[derive(Clone, Debug, Default)]
+struct Extent {
+    /// Its volumes, ascending.
+    volumes: Vec<u32>,
+    /// The faces between it and what bears another label, or the outside of the hull, ascending.
+    faces: Vec<u32>,
+}
+
+impl Building {
+    /// The building that a model is, its space being cut by `partition`.
+    ///
+    /// # Errors
+    /// [`TopologyError`]: the cells' surfaces are not closed.
+    ///
+    /// # Panics
+    /// If `partition` is not one of `model`.
+    pub fn new(model: &Model, partition: &Partition) -> Result<Building, TopologyError> {
+        let topology = sew(partition)?;
+        let mut darts = vec![None; partition.cells.len()];
+        for (face, beyond) in topology.faces.iter().map(|face| (face, topology.map.alpha(3, face.dart))) {
+            darts[face.one as usize].get_or_insert(face.dart);
+            if face.other != NONE {
+                darts[face.other as usize].get_or_insert(beyond);
+            }
+        }
+        // A cell without a face would not have been closed.
+        let volumes = partition.cells.iter().zip(darts).filter_map(|(cell, dart)| {
+            Some(Volume { label: cell.label, floor: cell.floor, ceiling: cell.ceiling, dart: dart? })
+        });
+        let by_id: BTreeMap<&str, u32> =
+            model.elements.iter().zip(0..).map(|(element, i)| (element.id.as_str(), i)).collect();
+        let find = |id: &Option<String>| id.as_deref().and_then(|id| by_id.get(id)).map(|&i| ElementId(i));
+        let elements = model.elements.iter().map(|element| Element {
+            id: element.id.clone(),
+            name: element.name.clone(),
+            path: element.path.clone(),
+            semantic: element.semantic,
+            storey: element.storey.clone(),
+            host: find(&element.host),
+            filling: find(&element.filling),
+        });
+        let mut building = Building {
+            lattice: partition.lattice,
+            hull: partition.hull,
+            planes: partition.planes.clone(),
+            volumes: volumes.collect(),
+            faces: Vec::with_capacity(topology.faces.len()),
+            topology,
+            sources: partition.sources.clone(),
+            detail: partition.detail.clone(),
+            elements: elements.collect(),
+            labels: BTreeMap::new(),
+        };
+        let looks: Vec<Looks> = building.sources.iter().map(|source| Looks::of(model, source)).collect();
+        let faces = building.topology.faces.iter().map(|face| building.name(model, &looks, face));
+        building.faces = faces.collect();
+        building.gather();
+        Ok(building)
+    }
+
+    /// The label of a volume; `None` outside the hull.
+    pub fn label(&self, volume: u32) -> Option<Label> {
+        self.volumes.get(volume as usize).map(|volume| volume.label)
+    }
+
+    /// The meaning of what bears a label.
+    pub fn semantic(&self, label: Label) -> Semantic {
+        match label {
+            Label::Air(element) | Label::Solid(element) => {
+                self.elements.get(element.0 as usize).map_or(Semantic::Unknown, |element| element.semantic)
+            }
+            Label::Exterior => Semantic::Exterior,
+            Label::Void => Semantic::Void,
+        }
+    }
+
+    /// The corners of a face in turn, metres in the model's internal frame; seen from its first volume in no certain sense.
+    pub fn corners(&self, face: u32) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let dart = self.topology.faces[face as usize].dart;
+        let vertex = |dart: Dart| self.topology.vertex_of[dart.index()];
+        let around = self.topology.map.around_face(dart);
+        around.map(move |dart| self.lattice.metres(self.topology.points[vertex(dart) as usize]))
+    }
+
+    /// Names a face.
+    fn name(&self, model: &Model, looks: &[Looks], face: &Sewn) -> Face {
+        let labels = [face.one, face.other].map(|volume| self.label(volume));
+        let area = self.topology.area(face.dart) * self.lattice.step() * self.lattice.step();
+        let bare = |kind| Face { kind, element: None, material: None, area };
+        let [Some(one), Some(other)] = labels else { return bare(FaceKind::Horizon) };
+        let (air, matter, is_first) = match (one.is_air(), other.is_air()) {
+            (true, true) => return bare(FaceKind::Portal),
+            (false, false) => return bare(FaceKind::Joint),
+            (true, false) => (one, other, true),
+            (false, true) => (other, one, false),
+        };
+        let facing = match face.way {
+            Lie::Upright(_) => Facing::Aside,
+            Lie::Ceiling(_) if is_first => Facing::Up,
+            Lie::Ceiling(_) | Lie::Floor(_) => Facing::Down,
+        };
+        let body = if let Label::Solid(element) = matter { Some(element) } else { None };
+        let look = looks.get(face.source as usize).and_then(|looks| looks.before(body));
+        let element = look.map(|look| look.element).or(body);
+        let material = look.map(|look| look.material);
+        let is_glass = material
+            .and_then(|material| model.materials.get(material.0 as usize))
+            .is_some_and(|material| material.is_see_through());
+        let of_matter = element.map_or(Semantic::Unknown, |element| self.semantic(Label::Solid(element)));
+        let kind = FaceKind::of_surface(self.semantic(air), of_matter, facing, is_glass);
+        Face { kind, element, material, area }
+    }
+
+    /// Fills `labels`.
+    fn gather(&mut self) {
+        let mut labels: BTreeMap<Label, Extent> = BTreeMap::new();
+        for (volume, number) in self.volumes.iter().zip(0..) {
+            labels.entry(volume.label).or_default().volumes.push(number);
+        }
+        for (face, number) in self.topology.faces.iter().zip(0..) {
+            let [one, other] = [face.one, face.other].map(|volume| self.label(volume));
+            if one != other {
+                for label in [one, other].into_iter().flatten() {
+                    labels.entry(label).or_default().faces.push(number);
+                }
+            }
+        }
+        self.labels = labels;
+    }
+}

@@ -1,0 +1,162 @@
+use std::collections::BTreeMap;
+
+use super::*;
+use crate::generate::{self, HouseOptions, OfficeOptions, TowerOptions, build1, house, random, tower};
+use crate::partition::{PartitionOptions, partition};
+
+fn built(model: &Model) -> Building {
+    let (partition, _) = partition(model, &PartitionOptions::default()).unwrap();
+    Building::new(model, &partition).unwrap()
+}
+
+fn label(building: &Building, id: &str) -> Label {
+    let found = building.elements.iter().position(|element| element.id == id);
+    Label::Air(ElementId(found.unwrap_or_else(|| panic!("{id}")) as u32))
+}
+
+/// Every face's area by kind, every portal, all openings: as the generator has them.
+fn check(name: &str, generated: &generate::Building) {
+    let building = built(&generated.to_model().unwrap());
+    let truth = generated.truth();
+    // They are drawn on the lattice.
+    let near = |found: f64, true_area: f64| (found - true_area).abs() <= 1e-9 * (1.0 + true_area);
+    let openings = truth.openings.iter().map(|opening| &opening.air);
+    let mut worst = 0.0f64;
+    for air in truth.rooms.iter().map(|room| &room.air).chain(openings).chain([&truth.exterior]) {
+        let found = building.areas(label(&building, &air.id));
+        let names: BTreeMap<&'static str, f64> =
+            found.iter().map(|(kind, area)| (kind.name(), *area)).collect();
+        // The exterior as drawn ends where the open goes on, at portals, and on the ground, which is no matter.
+        let is_matter = |kind: &&str| air.id != truth.exterior.id || ["FACADE", "ROOFING"].contains(kind);
+        let kinds = |all: &BTreeMap<&'static str, f64>| -> Vec<&str> {
+            all.keys().copied().filter(is_matter).collect()
+        };
+        assert_eq!(kinds(&names), kinds(&air.faces), "{name}: {}", air.name);
+        for (kind, area) in air.faces.iter().filter(|(kind, _)| is_matter(kind)) {
+            assert!(near(names[kind], *area), "{name}: {}: {kind} {} of {area}", air.name, names[kind]);
+            worst = worst.max((names[kind] - area).abs());
+        }
+    }
+    for opening in &truth.openings {
+        let own = label(&building, &opening.air.id);
+        let beyond: BTreeMap<Label, f64> =
+            opening.joins.iter().map(|portal| (label(&building, &portal.id), portal.area)).collect();
+        let found = building.neighbours(own);
+        assert!(found.keys().eq(beyond.keys()), "{name}: {}", opening.air.name);
+        assert!(found.iter().all(|(label, area)| near(*area, beyond[label])), "{name}: {found:?} {beyond:?}");
+        let joined: Vec<Label> = beyond.into_keys().collect();
+        if let [one, other] = joined[..] {
+            let Label::Air(element) = own else { unreachable!() };
+            assert!(building.openings_between(one, other).contains(&element), "{name}");
+            assert!(building.openings_between(other, one).contains(&element), "{name}");
+        }
+    }
+    assert_eq!(building.rooms().count(), truth.rooms.len(), "{name}");
+    assert_eq!(building.openings().count(), truth.openings.len(), "{name}");
+    println!("{name}: areas differ by {worst:.1e} m2");
+}
+
+fn plain(seed: u64) -> OfficeOptions {
+    OfficeOptions { furniture: false, seed, ..OfficeOptions::default() }
+}
+
+fn bare() -> HouseOptions {
+    HouseOptions { furniture: false, ..HouseOptions::default() }
+}
+
+#[test]
+fn faces_of_a_house_are_as_drawn() {
+    check("house", &house(&bare()));
+}
+
+#[test]
+fn faces_of_an_office_are_as_drawn() {
+    check("build1", &build1(&plain(0)));
+}
+
+#[test]
+fn faces_of_a_tower_are_as_drawn() {
+    check("tower", &tower(&TowerOptions { storeys: 3, office: plain(0) }));
+}
+
+#[test]
+fn faces_of_random_buildings_are_as_drawn() {
+    for seed in 0..6 {
+        check(&format!("random {seed}"), &random(&plain(seed)));
+    }
+}
+
+/// From every room to every other and back: no way is longer than another, none goes through a window or a wall, and each goes from
+/// one neighbour to the next.
+#[test]
+fn ways_lead_from_room_to_room() {
+    let building = built(&house(&bare()).to_model().unwrap());
+    let rooms: Vec<Label> = building.rooms().map(Label::Air).collect();
+    let (walked, any) = (WayOptions::default(), WayOptions { windows: true, ..WayOptions::default() });
+    let inside = WayOptions { outside: false, ..WayOptions::default() };
+    let mut length = BTreeMap::new();
+    for &from in &rooms {
+        for &to in &rooms {
+            let way = building.way(from, to, &walked).unwrap();
+            assert_eq!((way.through[0], *way.through.last().unwrap()), (from, to));
+            assert_eq!(way.portals.len() + 1, way.through.len());
+            for pair in way.through.windows(2) {
+                assert!(building.neighbours(pair[0]).contains_key(&pair[1]));
+                assert_ne!(building.semantic(pair[1]), Semantic::Window);
+            }
+            let middles: Vec<glam::DVec3> = way.portals.iter().map(|&p| p.into()).collect();
+            let sum: f64 = middles.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+            assert!((sum - way.length).abs() <= 1e-9);
+            let back = building.way(to, from, &walked).unwrap();
+            assert!((back.length - way.length).abs() <= 1e-9);
+            assert!(building.way(from, to, &any).unwrap().length <= way.length);
+            if let Some(inner) = building.way(from, to, &inside) {
+                assert!(inner.length >= way.length);
+                assert!(inner.through.iter().all(|&label| building.semantic(label) != Semantic::Exterior));
+            }
+            length.insert((from, to), way.length);
+        }
+    }
+    assert!(length.values().any(|&length| length > 1.0));
+    // Into matter, and where there is nothing, no way leads.
+    let wall = building.labels().find(|label| !label.is_air()).unwrap();
+    assert_eq!(building.way(rooms[0], wall, &walked), None);
+    assert_eq!(building.way(wall, wall, &walked), None);
+    assert_eq!(building.way(rooms[0], Label::Air(ElementId(u32::MAX)), &walked), None);
+}
+
+#[test]
+fn rooms_are_on_their_storeys() {
+    let generated = tower(&TowerOptions { storeys: 3, office: plain(0) });
+    let (building, truth) = (built(&generated.to_model().unwrap()), generated.truth());
+    let mut storeys: Vec<&str> = truth.rooms.iter().filter_map(|room| room.storey.as_deref()).collect();
+    storeys.sort_unstable();
+    storeys.dedup();
+    assert!(storeys.len() >= 3);
+    for storey in storeys {
+        let is_there = |room: &&generate::RoomTruth| room.storey.as_deref() == Some(storey);
+        let mut ids: Vec<&str> = truth.rooms.iter().filter(is_there).map(|room| &room.air.id[..]).collect();
+        let found = building.rooms_of_storey(storey).map(|room| &building.elements[room.0 as usize].id[..]);
+        let mut found: Vec<&str> = found.collect();
+        ids.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found, ids, "{storey}");
+    }
+    assert_eq!(building.rooms_of_storey("no such storey").count(), 0);
+}
+
+#[test]
+fn glass_is_a_pane_and_keeps_its_material() {
+    let mut model = house(&bare()).to_model().unwrap();
+    let wall = model.elements.iter().position(|element| element.semantic == Semantic::Wall).unwrap();
+    let glass = crate::importers::Material { transmission: 0.9, ..Default::default() };
+    model.materials.push(glass);
+    let number = MaterialId(model.materials.len() as u32 - 1);
+    model.elements[wall].mesh.materials.fill(number);
+    let building = built(&model);
+    let of_wall = |face: &&Face| face.element == Some(ElementId(wall as u32));
+    let faces: Vec<&Face> = building.faces.iter().filter(of_wall).collect();
+    assert!(!faces.is_empty());
+    assert!(faces.iter().all(|face| face.kind == FaceKind::Pane && face.material == Some(number)));
+    assert_eq!(building.faces.iter().filter(|face| face.kind == FaceKind::Pane).count(), faces.len());
+}
