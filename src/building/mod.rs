@@ -4,6 +4,7 @@
 //! [`FaceKind`], the element and the material whose surface it is, and its area. What users ask of a building is in
 //! [`Building::rooms`], [`Building::neighbours`], [`Building::areas`], [`Building::openings_between`], [`Building::way`].
 
+mod cells;
 mod kind;
 mod looks;
 mod queries;
@@ -22,6 +23,7 @@ use crate::sew::{Sewn, Topology, TopologyError, Way as Lie, sew};
 
 use looks::Looks;
 
+pub use cells::CellsError;
 pub use kind::{FaceKind, Facing};
 pub use way::{Way, WayOptions};
 
@@ -198,7 +200,8 @@ impl Building {
             Lie::Ceiling(_) | Lie::Floor(_) => Facing::Down,
         };
         let body = if let Label::Solid(element) = matter { Some(element) } else { None };
-        let look = looks.get(face.source as usize).and_then(|looks| looks.before(body));
+        let source = face.sources[if is_first { 0 } else { 1 }];
+        let look = looks.get(source as usize).and_then(|looks| looks.before(body));
         let element = look.map(|look| look.element).or(body);
         let material = look.map(|look| look.material);
         let is_glass = material

@@ -1,6 +1,9 @@
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::*;
+use crate::lattice::{Point, orient};
+use crate::partition::cells::{Cell, Face as CellFace};
 use crate::generate::{self, HouseOptions, OfficeOptions, TowerOptions, build1, house, random, tower};
 use crate::partition::{PartitionOptions, partition};
 
@@ -159,4 +162,53 @@ fn glass_is_a_pane_and_keeps_its_material() {
     assert!(!faces.is_empty());
     assert!(faces.iter().all(|face| face.kind == FaceKind::Pane && face.material == Some(number)));
     assert_eq!(building.faces.iter().filter(|face| face.kind == FaceKind::Pane).count(), faces.len());
+}
+
+/// The sides of a cell's footprint from its lowest corner on, each with what is beyond; made one where they lie on one line and have
+/// the same beyond.
+fn sections(partition: &Partition, cell: &Cell) -> Vec<(Point, Vec<CellFace>)> {
+    let all = &partition.sections[cell.sections.start as usize..cell.sections.end as usize];
+    let starts: Vec<Point> = all.iter().map(|section| section.start).collect();
+    let count = starts.len();
+    let faces = |i: usize| &partition.faces[all[i].faces.start as usize..all[i].faces.end as usize];
+    let is_new = |i: usize| {
+        let before = (i + count - 1) % count;
+        orient(starts[before], starts[i], starts[(i + 1) % count]) != 0 || faces(before) != faces(i)
+    };
+    let mut kept: Vec<(Point, Vec<CellFace>)> =
+        (0..count).filter(|&i| is_new(i)).map(|i| (starts[i], faces(i).to_vec())).collect();
+    let first = (0..kept.len()).min_by_key(|&i| kept[i].0).unwrap();
+    kept.rotate_left(first);
+    kept
+}
+
+/// The cells that the map has are those that it was made of, but for parts of sides without height.
+fn check_cells(name: &str, partition: &Partition, building: &Building) {
+    let read = building.cells().unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert_eq!(read.cells.len(), partition.cells.len());
+    let mut thin = 0;
+    for (number, (own, made)) in read.cells.iter().zip(&partition.cells).enumerate() {
+        assert_eq!((own.label, own.floor, own.ceiling), (made.label, made.floor, made.ceiling), "{name}");
+        let (a, b) = (sections(&read, own), sections(partition, made));
+        if a != b {
+            thin += 1;
+            if thin < 4 { println!("  {name}: cell {number}\n    {a:?}\n    {b:?}"); }
+        }
+        let covers = |partition: &Partition, range: &Range<u32>| {
+            partition.covers[range.start as usize..range.end as usize].to_vec()
+        };
+        for (a, b) in [(&own.below, &made.below), (&own.above, &made.above)] {
+            assert_eq!(covers(&read, a), covers(partition, b), "{name}: cell {number}");
+        }
+    }
+    println!("{name}: {thin} of {} cells have parts of sides without height", partition.cells.len());
+}
+
+#[test]
+fn cells_are_read_off_the_map() {
+    for seed in 0..6 {
+        let model = random(&plain(seed)).to_model().unwrap();
+        let (partition, _) = partition(&model, &PartitionOptions::default()).unwrap();
+        check_cells(&format!("random {seed}"), &partition, &Building::new(&model, &partition).unwrap());
+    }
 }

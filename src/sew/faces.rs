@@ -16,7 +16,7 @@ pub(super) struct Border {
     pub(super) other: u32,
     /// In the plan, the first cell on the left.
     pub(super) ends: [Point; 2],
-    pub(super) source: u32,
+    pub(super) sources: [u32; 2],
 }
 
 /// A face in the making.
@@ -25,7 +25,7 @@ pub(super) struct Polygon {
     pub(super) one: u32,
     pub(super) other: u32,
     pub(super) way: Way,
-    pub(super) source: u32,
+    pub(super) sources: [u32; 2],
     pub(super) corners: Vec<Corner>,
 }
 
@@ -52,14 +52,14 @@ pub(super) fn borders(partition: &Partition) -> Vec<Border> {
             for other in beyond {
                 let (source, one) = (source_of(beside(partition, section), other), one as u32);
                 if other == NONE {
-                    borders.push(Border { one, other, ends, source: NONE });
+                    borders.push(Border { one, other, ends, sources: [NONE; 2] });
                 } else if one < other {
                     let theirs = &points[other as usize];
                     let their_sections = sections(partition, &partition.cells[other as usize]);
                     borders.extend((0..theirs.len()).filter_map(|k| {
                         let ends = shared(ends, [theirs[k], theirs[(k + 1) % theirs.len()]])?;
-                        let source = source.or_else(|| source_of(beside(partition, &their_sections[k]), one));
-                        Some(Border { one, other, ends, source: source.unwrap_or(NONE) })
+                        let sources = [source, source_of(beside(partition, &their_sections[k]), one)];
+                        Some(Border { one, other, ends, sources })
                     }));
                 }
             }
@@ -77,8 +77,8 @@ fn beside<'p>(partition: &'p Partition, section: &Section) -> impl Iterator<Item
 }
 
 /// The surface towards a cell.
-fn source_of(mut covers: impl Iterator<Item = Cover>, beyond: u32) -> Option<u32> {
-    covers.find(|cover| cover.cell == beyond && cover.source != NONE).map(|cover| cover.source)
+fn source_of(mut covers: impl Iterator<Item = Cover>, beyond: u32) -> u32 {
+    covers.find(|cover| cover.cell == beyond && cover.source != NONE).map_or(NONE, |cover| cover.source)
 }
 
 /// What two edges have in common that lie on one line and go opposite ways.
@@ -105,7 +105,7 @@ pub(super) struct Level {
     other: u32,
     way: Way,
     plane: u32,
-    source: u32,
+    sources: [u32; 2],
     pub(super) corners: Vec<overlay::Corner>,
 }
 
@@ -115,8 +115,7 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
     for (one, cell) in partition.cells.iter().enumerate() {
         let footprint: Vec<Point> = partition.footprint(cell).collect();
         let covers = |range: &Range<u32>| &partition.covers[range.start as usize..range.end as usize];
-        let mut add = |cover: Cover, way: Way, plane: u32| {
-            let Cover { cell: other, source } = cover;
+        let mut add = |other: u32, way: Way, plane: u32, sources: [u32; 2]| {
             let corners = match other {
                 NONE => overlay::common(&footprint, &footprint),
                 other => {
@@ -124,21 +123,18 @@ pub(super) fn levels(partition: &Partition) -> Vec<Level> {
                     overlay::common(&footprint, &theirs)
                 }
             };
-            levels.push(Level { one: one as u32, other, way, plane, source, corners });
+            levels.push(Level { one: one as u32, other, way, plane, sources, corners });
         };
         let ceiling = Way::Ceiling(cell.ceiling);
-        for &cover in covers(&cell.above) {
-            let from_above = || match cover.cell {
-                NONE => None,
-                above => {
-                    source_of(covers(&partition.cells[above as usize].below).iter().copied(), one as u32)
-                }
-            };
-            let source = if cover.source == NONE { from_above().unwrap_or(NONE) } else { cover.source };
-            add(Cover { source, ..cover }, ceiling, cell.ceiling);
+        for cover in covers(&cell.above) {
+            let from_above = partition
+                .cells
+                .get(cover.cell as usize)
+                .map_or(NONE, |above| source_of(covers(&above.below).iter().copied(), one as u32));
+            add(cover.cell, ceiling, cell.ceiling, [cover.source, from_above]);
         }
-        if let Some(&ground) = covers(&cell.below).iter().find(|cover| cover.cell == NONE) {
-            add(ground, Way::Floor(cell.floor), cell.floor);
+        if covers(&cell.below).iter().any(|cover| cover.cell == NONE) {
+            add(NONE, Way::Floor(cell.floor), cell.floor, [NONE; 2]);
         }
     }
     levels
@@ -152,7 +148,7 @@ impl Level {
             edge: Some((corner.line, self.plane)),
         };
         let corners = self.corners.iter().map(corner).collect();
-        polygon([self.one, self.other], self.way, self.source, corners)
+        polygon([self.one, self.other], self.way, self.sources, corners)
     }
 }
 
@@ -160,7 +156,7 @@ impl Level {
 pub(super) fn polygon(
     [one, other]: [u32; 2],
     way: Way,
-    source: u32,
+    sources: [u32; 2],
     mut corners: Vec<Corner>,
 ) -> Option<Polygon> {
     // An edge whose ends are one vertex is none.
@@ -169,5 +165,5 @@ pub(super) fn polygon(
             corners.remove(i);
         }
     }
-    (corners.len() > 2).then_some(Polygon { one, other, way, source, corners })
+    (corners.len() > 2).then_some(Polygon { one, other, way, sources, corners })
 }

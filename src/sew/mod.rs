@@ -35,9 +35,9 @@ pub struct Sewn {
     pub dart: Dart,
     /// How it lies.
     pub way: Way,
-    /// Between air and matter: index of the triangles that make the surface there, in [`Partition::sources`]; else
-    /// [`NONE`].
-    pub source: u32,
+    /// Between air and matter: index of the triangles that make the surface there, in [`Partition::sources`], as found from its
+    /// first side and from the other; else [`NONE`].
+    pub sources: [u32; 2],
 }
 
 /// How a face lies.
@@ -146,7 +146,7 @@ fn build(
             other: face.other,
             dart: firsts[0],
             way: face.way,
-            source: face.source,
+            sources: face.sources,
         });
     }
     for (cell, mut own) in edges.into_iter().enumerate() {

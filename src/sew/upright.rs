@@ -107,7 +107,7 @@ pub(super) fn upright(
         let high: Vec<(Site, &[u32])> = part.iter().rev().map(|s| (s.site, &s.high[..])).collect();
         let mut corners = chain(&low, is_bent, border, vertices);
         corners.extend(chain(&high, is_bent, border, vertices));
-        faces.extend(polygon([border.one, border.other], Way::Upright(border.ends), border.source, corners));
+        faces.extend(polygon([border.one, border.other], Way::Upright(border.ends), border.sources, corners));
         from = to;
     }
 }
