@@ -171,67 +171,57 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The edges of the footprint, counter-clockwise, each as long as it is straight: all around the floor.
+    /// The edges of the footprint, counter-clockwise, with all that stands over them.
     fn footprint(&self, volume: &Volume, own: &[Side]) -> Result<Vec<Edge>, &'static str> {
-        let walked = self.walk(own)?;
-        let at = |dart: Dart| {
-            let [x, y, _] =
-                self.building.topology.points[self.building.topology.vertex_of[dart.index()] as usize];
-            [x, y]
-        };
-        let points: Vec<[f64; 2]> = walked.iter().map(|&dart| at(dart)).collect();
-        let ahead = |i: usize| points[(i + 1) % points.len()];
-        let double: f64 = (0..points.len())
-            .map(|i| {
-                let [a, b] = [points[i], ahead(i)].map(|p| [p[0] - points[0][0], p[1] - points[0][1]]);
-                a[0] * b[1] - a[1] * b[0]
-            })
-            .sum();
-        let number = self.volume_of[volume.dart.index()];
-        let mut edges: Vec<Edge> = Vec::new();
-        for (i, &dart) in walked.iter().enumerate() {
-            let (a, b) = if double > 0.0 { (points[i], ahead(i)) } else { (ahead(i), points[i]) };
-            let (side, ends) = self.upright_at(dart)?;
-            let [run, rise] = [0, 1].map(|axis| b[axis] - a[axis]);
-            let along = |ends: [Point; 2]| {
-                run * (f64::from(ends[1].x) - f64::from(ends[0].x))
-                    + rise * (f64::from(ends[1].y) - f64::from(ends[0].y))
-            };
-            let (ends, is_first) = if along(ends) > 0.0 { (ends, true) } else { ([ends[1], ends[0]], false) };
-            // Where the volume has no height, what is on the right of the side there is beyond it.
-            let span = Span { ends, side, is_own: self.volume_of[side.dart.index()] == number };
-            if span.is_own && is_first != side.is_first {
-                return Err("a side has the volume on its wrong side");
+        let corners =
+            &self.building.footprints[volume.footprint.start as usize..volume.footprint.end as usize];
+        let ahead = |i: usize| (i + 1) % corners.len();
+        let mut edges: Vec<Edge> =
+            (0..corners.len()).map(|i| Edge::new([corners[i], corners[ahead(i)]])).collect();
+        // The walk comes by all corners, one after the other; it may go either way around.
+        let mut walked = self.walk(own)?;
+        let corner = |dart: Dart| corners.iter().position(|corner| self.is_over(dart, *corner));
+        let start = walked.iter().position(|&dart| corner(dart) == Some(0)).ok_or("it misses a corner")?;
+        walked.rotate_left(start);
+        let mut passed: Vec<usize> = walked.iter().filter_map(|&dart| corner(dart)).collect();
+        let is_forward = passed.get(1) == Some(&1);
+        if !is_forward {
+            passed[1..].reverse();
+        }
+        if !passed.iter().copied().eq(0..corners.len()) {
+            return Err("its floor does not come by its corners in turn");
+        }
+        let map = &self.building.topology.map;
+        let mut at = if is_forward { corners.len() - 1 } else { 0 };
+        for &dart in &walked {
+            if corner(dart).is_some() {
+                at = if is_forward { ahead(at) } else { (at + corners.len() - 1) % corners.len() };
             }
-            let span =
-                Span { side: if is_first == side.is_first { side } else { self.across(side) }, ..span };
-            match edges.last_mut() {
-                Some(last) if last.holds(ends) => last.spans.push(span),
-                _ => edges.push(Edge { spans: vec![span] }),
+            let over = self.side_at(map.alpha(2, dart));
+            if self.part(&over) == Part::Ceiling {
+                let middle = [0, 1].map(|k| {
+                    let end = if k == 0 { dart } else { map.alpha(0, dart) };
+                    self.building.topology.points[self.building.topology.vertex_of[end.index()] as usize]
+                });
+                edges[at].closed.push(([0, 1].map(|axis| (middle[0][axis] + middle[1][axis]) / 2.0), over));
             }
         }
-        if double < 0.0 {
-            edges.reverse();
-        }
-        if edges.len() > 1 && edges[0].holds(edges[edges.len() - 1].spans[0].ends) {
-            let last = edges.pop();
-            edges[0].spans.extend(last.into_iter().flat_map(|edge| edge.spans));
-        }
-        // All that stands over an edge, not only on the floor.
         for side in own {
             if let Lie::Upright(ends) = self.lie(side.face) {
                 let ends = if side.is_first { ends } else { [ends[1], ends[0]] };
                 let edge =
                     edges.iter_mut().find(|edge| edge.holds(ends)).ok_or("a side stands on no edge")?;
-                edge.spans.push(Span { ends, side: *side, is_own: true });
+                edge.spans.push((ends, *side));
             }
         }
-        // Wherever the walk began, a cell begins at the same corner.
-        let first = (0..edges.len()).min_by_key(|&i| edges[i].start()).unwrap_or(0);
-        edges.rotate_left(first);
-        let next = edges.iter().cycle().skip(1);
-        let closes = edges.len() > 2 && edges.iter().zip(next).all(|(edge, next)| edge.end() == next.start());
-        if closes { Ok(edges) } else { Err("its sides do not close") }
+        Ok(edges)
+    }
+
+    /// Whether the vertex of a dart is over a point of the plan.
+    fn is_over(&self, dart: Dart, p: Point) -> bool {
+        let topology = &self.building.topology;
+        let [x, y, _] = topology.points[topology.vertex_of[dart.index()] as usize];
+        x == f64::from(p.x) && y == f64::from(p.y)
     }
 
     /// The edges of the floor's border in turn, each as the dart at its start in the floor.
@@ -260,32 +250,6 @@ impl<'a> Reader<'a> {
                 return Err("its floor has no one border");
             }
         }
-    }
-
-    /// The side that stands on an edge of the floor, and over what. Where the volume has no height there, it is the next around the
-    /// edge.
-    fn upright_at(&self, edge: Dart) -> Result<(Side, [Point; 2]), &'static str> {
-        let map = &self.building.topology.map;
-        let mut dart = map.alpha(2, edge);
-        // An edge has fewer faces than there are darts.
-        for _ in 0..map.len() {
-            let side = self.side_at(dart);
-            if let Lie::Upright(ends) = self.lie(side.face) {
-                return Ok((side, ends));
-            }
-            let across = map.alpha(3, dart);
-            if across == dart {
-                break;
-            }
-            dart = map.alpha(2, across);
-        }
-        Err("an edge of its floor has no side")
-    }
-
-    /// The same face from its other side.
-    fn across(&self, side: Side) -> Side {
-        let dart = self.building.topology.map.alpha(3, side.dart);
-        Side { dart, is_first: !side.is_first, ..side }
     }
 
     /// Twice the height of the middle of a volume over an edge, times as much for all.
@@ -336,50 +300,42 @@ enum Part {
     Side,
 }
 
-/// A straight edge of a footprint, the volume on its left.
+/// An edge of a footprint, the volume on its left.
 #[derive(Clone, Debug)]
 struct Edge {
-    /// What stands over parts of it; never empty.
-    spans: Vec<Span>,
-}
-
-/// A side over a part of an edge.
-#[derive(Clone, Copy, Debug)]
-struct Span {
     ends: [Point; 2],
-    /// Seen from the left.
-    side: Side,
-    /// Whether it is a side of the volume; else one beyond what has no height.
-    is_own: bool,
+    /// What stands over parts of it.
+    spans: Vec<([Point; 2], Side)>,
+    /// Where the floor meets the ceiling: in the middle of each part, and the ceiling there.
+    closed: Vec<([f64; 2], Side)>,
 }
 
 impl Edge {
-    /// Whether a part of the plan lies on it, the same way.
+    fn new(ends: [Point; 2]) -> Edge {
+        Edge { ends, spans: Vec::new(), closed: Vec::new() }
+    }
+
+    /// Whether something lies on it, the same way.
     fn holds(&self, ends: [Point; 2]) -> bool {
-        let [a, b] = self.spans[0].ends;
-        orient(a, b, ends[0]) == 0 && orient(a, b, ends[1]) == 0 && self.along(ends[0]) < self.along(ends[1])
+        let [a, b] = self.ends;
+        let [from, to] = ends.map(|p| self.along(p));
+        orient(a, b, ends[0]) == 0
+            && orient(a, b, ends[1]) == 0
+            && 0 <= from
+            && from < to
+            && to <= self.along(b)
     }
 
     /// How far a point is along it.
     fn along(&self, p: Point) -> i64 {
-        let [a, b] = self.spans[0].ends;
+        let [a, b] = self.ends;
         let less = |p: i32, q: i32| i64::from(p) - i64::from(q);
         less(b.x, a.x) * less(p.x, a.x) + less(b.y, a.y) * less(p.y, a.y)
     }
 
-    fn start(&self) -> Point {
-        let starts = self.spans.iter().map(|span| span.ends[0]);
-        starts.min_by_key(|&p| self.along(p)).unwrap_or_default()
-    }
-
-    fn end(&self) -> Point {
-        let ends = self.spans.iter().map(|span| span.ends[1]);
-        ends.max_by_key(|&p| self.along(p)).unwrap_or_default()
-    }
-
     /// Its parts from its start to its end, each with what lies beyond it from the floor up.
     fn pieces(&self, reader: &Reader<'_>) -> Result<Vec<(Point, Vec<Face>)>, &'static str> {
-        let mut points: Vec<Point> = self.spans.iter().flat_map(|span| span.ends).collect();
+        let mut points: Vec<Point> = self.spans.iter().flat_map(|span| span.0).chain(self.ends).collect();
         points.sort_unstable_by_key(|&p| self.along(p));
         points.dedup();
         points.windows(2).map(|ends| Ok((ends[0], self.stack([ends[0], ends[1]], reader)?))).collect()
@@ -387,29 +343,30 @@ impl Edge {
 
     fn stack(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Vec<Face>, &'static str> {
         let [from, to] = ends.map(|p| self.along(p));
-        let is_over = |span: &&Span| self.along(span.ends[0]) <= from && to <= self.along(span.ends[1]);
-        let over: Vec<&Span> = self.spans.iter().filter(is_over).collect();
-        let is_own = over.iter().any(|span| span.is_own);
+        let over = self.spans.iter().filter(|(of, _)| self.along(of[0]) <= from && to <= self.along(of[1]));
         let mut beyond: Vec<(i128, Cover, u32)> = over
-            .iter()
-            .filter(|span| span.is_own == is_own)
-            .map(|span| {
-                let cover = reader.cover(&span.side);
-                (reader.middle(cover.cell, ends), cover, span.side.face)
+            .map(|(_, side)| {
+                let cover = reader.cover(side);
+                (reader.middle(cover.cell, ends), cover, side.face)
             })
             .collect();
         beyond.sort_by_key(|&(middle, cover, face)| (middle, cover.cell, face));
-        // Where planes bend, and where the walk met it, a neighbour comes more than once.
+        // Where planes bend, a neighbour has several faces.
         beyond.dedup_by_key(|(_, cover, _)| cover.cell);
-        if !is_own {
-            // There is nothing to be seen: whatever lies beyond serves.
-            beyond.truncate(1);
-        }
-        let last = beyond.len().checked_sub(1).ok_or("a part of a side has no face")?;
+        let Some(last) = beyond.len().checked_sub(1) else { return Ok(vec![self.nothing(ends, reader)?]) };
         let top = |(k, (_, cover, _)): (usize, &(i128, Cover, u32))| {
             let other = reader.building.volumes.get(cover.cell as usize).filter(|_| k < last);
             Face { top: other.map_or(NONE, |other| other.ceiling), cover: *cover }
         };
         Ok(beyond.iter().enumerate().map(top).collect())
+    }
+
+    /// What is beyond a part over which the volume has no height: what is above it. Nothing can be seen there.
+    fn nothing(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Face, &'static str> {
+        let middle = [ends[0].x + ends[1].x, ends[0].y + ends[1].y].map(|c| f64::from(c) / 2.0);
+        let off = |at: &[f64; 2]| (at[0] - middle[0]).hypot(at[1] - middle[1]);
+        let nearest = self.closed.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0)));
+        let (_, ceiling) = nearest.ok_or("a part of a side has no face")?;
+        Ok(Face { top: NONE, cover: Cover { cell: reader.beyond(ceiling.dart), source: NONE } })
     }
 }

@@ -13,11 +13,12 @@ mod tests;
 mod way;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use enfilade_importers::{ElementId, MaterialId, Model, Semantic};
 
 use crate::gmap::Dart;
-use crate::lattice::{Lattice, Plane};
+use crate::lattice::{Lattice, Plane, Point, orient};
 use crate::partition::cells::{Label, NONE, Partition, Source};
 use crate::sew::{Sewn, Topology, TopologyError, Way as Lie, sew};
 
@@ -40,6 +41,8 @@ pub struct Building {
     pub topology: Topology,
     /// What is known of each volume of the map.
     pub volumes: Vec<Volume>,
+    /// Corners of volumes' footprints.
+    pub footprints: Vec<Point>,
     /// What is known of each face, in the order of [`Topology::faces`].
     pub faces: Vec<Face>,
     /// The source's own triangles behind faces.
@@ -52,8 +55,8 @@ pub struct Building {
     labels: BTreeMap<Label, Extent>,
 }
 
-/// A volume of the map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A volume of the map: a convex prism.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Volume {
     /// What fills it.
     pub label: Label,
@@ -61,6 +64,8 @@ pub struct Volume {
     pub floor: u32,
     /// Index of the plane of its ceiling.
     pub ceiling: u32,
+    /// The corners of its footprint, in [`Building::footprints`]: counter-clockwise, exactly convex, none on a straight line.
+    pub footprint: Range<u32>,
     /// One of its darts.
     pub dart: Dart,
 }
@@ -123,10 +128,20 @@ impl Building {
                 darts[face.other as usize].get_or_insert(beyond);
             }
         }
+        let (mut volumes, mut footprints) = (Vec::with_capacity(darts.len()), Vec::new());
         // A cell without a face would not have been closed.
-        let volumes = partition.cells.iter().zip(darts).filter_map(|(cell, dart)| {
-            Some(Volume { label: cell.label, floor: cell.floor, ceiling: cell.ceiling, dart: dart? })
-        });
+        for (cell, dart) in partition.cells.iter().zip(darts).filter_map(|(cell, dart)| Some((cell, dart?))) {
+            let first = footprints.len() as u32;
+            let corners: Vec<Point> = partition.footprint(cell).collect();
+            let count = corners.len();
+            let turns = |i: &usize| {
+                orient(corners[(i + count - 1) % count], corners[*i], corners[(i + 1) % count]) != 0
+            };
+            footprints.extend((0..count).filter(turns).map(|i| corners[i]));
+            let footprint = first..footprints.len() as u32;
+            let (label, floor, ceiling) = (cell.label, cell.floor, cell.ceiling);
+            volumes.push(Volume { label, floor, ceiling, footprint, dart });
+        }
         let by_id: BTreeMap<&str, u32> =
             model.elements.iter().zip(0..).map(|(element, i)| (element.id.as_str(), i)).collect();
         let find = |id: &Option<String>| id.as_deref().and_then(|id| by_id.get(id)).map(|&i| ElementId(i));
@@ -143,7 +158,8 @@ impl Building {
             lattice: partition.lattice,
             hull: partition.hull,
             planes: partition.planes.clone(),
-            volumes: volumes.collect(),
+            volumes,
+            footprints,
             faces: Vec::with_capacity(topology.faces.len()),
             topology,
             sources: partition.sources.clone(),

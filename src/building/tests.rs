@@ -2,9 +2,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::*;
+use crate::generate::{self, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower};
 use crate::lattice::{Point, orient};
 use crate::partition::cells::{Cell, Face as CellFace};
-use crate::generate::{self, HouseOptions, OfficeOptions, TowerOptions, build1, house, random, tower};
 use crate::partition::{PartitionOptions, partition};
 
 fn built(model: &Model) -> Building {
@@ -192,7 +192,9 @@ fn check_cells(name: &str, partition: &Partition, building: &Building) {
         let (a, b) = (sections(&read, own), sections(partition, made));
         if a != b {
             thin += 1;
-            if thin < 4 { println!("  {name}: cell {number}\n    {a:?}\n    {b:?}"); }
+            if thin < 4 {
+                println!("  {name}: cell {number}\n    {a:?}\n    {b:?}");
+            }
         }
         let covers = |partition: &Partition, range: &Range<u32>| {
             partition.covers[range.start as usize..range.end as usize].to_vec()
@@ -204,11 +206,34 @@ fn check_cells(name: &str, partition: &Partition, building: &Building) {
     println!("{name}: {thin} of {} cells have parts of sides without height", partition.cells.len());
 }
 
+fn check_model(name: &str, model: &Model) {
+    let (partition, _) = partition(model, &PartitionOptions::default()).unwrap();
+    check_cells(name, &partition, &Building::new(model, &partition).unwrap());
+}
+
 #[test]
 fn cells_are_read_off_the_map() {
     for seed in 0..6 {
-        let model = random(&plain(seed)).to_model().unwrap();
-        let (partition, _) = partition(&model, &PartitionOptions::default()).unwrap();
-        check_cells(&format!("random {seed}"), &partition, &Building::new(&model, &partition).unwrap());
+        check_model(&format!("random {seed}"), &random(&plain(seed)).to_model().unwrap());
+    }
+    for seed in 0..12 {
+        let style = Style::damage([0.1, 0.3, 0.7][seed as usize % 3], seed);
+        check_model(&format!("damage {seed}"), &house(&bare()).export(&style).to_model().unwrap());
+    }
+}
+
+#[test]
+fn cells_of_real_buildings_are_read_off_the_map() {
+    let Some(folder) = std::env::var_os("ENFILADE_BUILDINGS") else {
+        println!("SKIPPED: ENFILADE_BUILDINGS is not set");
+        return;
+    };
+    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "glb"));
+    paths.sort();
+    assert!(!paths.is_empty());
+    for path in paths {
+        let model = crate::importers::import(&path, &Default::default()).unwrap();
+        check_model(&path.display().to_string(), &model);
     }
 }

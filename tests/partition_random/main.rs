@@ -14,13 +14,14 @@ mod walk;
 
 use std::collections::BTreeMap;
 
-use building::{Building, buildings};
+use building::buildings;
+use enfilade::building::Building;
 use enfilade::gmap::Orbit;
 use enfilade::importers::Model;
 use enfilade::lattice::FINE;
 use enfilade::partition::cells::{Label, NONE, Partition};
 use enfilade::partition::{PartitionOptions, partition};
-use enfilade::sew::sew;
+use enfilade::sew::{Topology, sew};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -41,7 +42,7 @@ fn cases(few: u32) -> ProptestConfig {
 const FEW: u32 = 600;
 
 /// All that is wrong with the partition of a building.
-fn findings(building: &Building, seed: u64) -> Vec<Finding> {
+fn findings(building: &building::Building, seed: u64) -> Vec<Finding> {
     let model = building.model(false);
     let (partition, report) = match partition(&model, &PartitionOptions::default()) {
         Ok(made) => made,
@@ -94,6 +95,40 @@ proptest! {
         let of_hull: usize = hull.map(|face| 2 * map.around_face(face.dart).count()).sum();
         let free: [usize; 4] = [0, 1, 2, 3].map(|i| map.free(i).count());
         prop_assert_eq!(free, [0, 0, 0, of_hull]);
+    }
+
+    #[test]
+    fn cells_are_read_off_the_map(building in buildings()) {
+        let model = building.model(false);
+        let partition = made(&model);
+        let building = Building::new(&model, &partition).unwrap();
+        let read = building.cells().map_err(|error| TestCaseError::fail(error.to_string()))?;
+        prop_assert_eq!(read.cells.len(), partition.cells.len());
+        // What has no height is no face, so that faces may be fewer.
+        let (own, all) = (Space::new(&read), Space::new(&partition));
+        for (number, (cell, made)) in read.cells.iter().zip(&partition.cells).enumerate() {
+            prop_assert_eq!((cell.label, cell.floor, cell.ceiling), (made.label, made.floor, made.ceiling));
+            prop_assert_eq!(own.six_volumes(number), all.six_volumes(number));
+        }
+        // What cells have in common stays: the same neighbours, as much area.
+        let areas = |topology: &Topology| {
+            let mut areas = BTreeMap::<[u32; 2], f64>::new();
+            for face in &topology.faces {
+                *areas.entry([face.one, face.other]).or_default() += topology.area(face.dart);
+            }
+            areas
+        };
+        let again = sew(&read).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let (there, back) = (areas(&building.topology), areas(&again));
+        // Where heights are one they bend planes, elsewhere when there are fewer sites: by as much along an edge.
+        let bent = 4.0 + building.topology.joined.1.max(again.joined.1);
+        let some = bent * (0..3).map(|i| f64::from(partition.hull[1][i] - partition.hull[0][i])).sum::<f64>();
+        for (one, other) in [(&there, &back), (&back, &there)] {
+            for (pair, area) in one {
+                let differs = (area - other.get(pair).copied().unwrap_or(0.0)).abs();
+                prop_assert!(differs <= some, "{pair:?}: {area} differs by {differs}");
+            }
+        }
     }
 
     #[test]
