@@ -11,6 +11,7 @@ mod exact;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod grid;
+mod leave;
 pub(crate) mod parallel;
 mod random;
 pub mod rays;

@@ -20,6 +20,9 @@
 //! serves rays that start within the tolerance of a surface: they count as on the air side that the direction enters, while
 //! `t` goes on counting from the ray's own origin.
 //!
+//! A start within the tolerance of surfaces that enclose nothing counts as on the side of them that the direction leads to, so that the ray
+//! need not meet them, however far off it comes through them: the displacement is then the start's distance from them.
+//!
 //! An answer `InSolid` is right if the start, or a point within the tolerance of it, is inside that solid.
 //!
 //! A right answer other than an exact one is only ever granted with a witness that was traced, so no wrong answer is
@@ -29,6 +32,7 @@
 //! by that ray too: be it the whole depth of a triangle that is seen from the side. Of hundreds of edges within the
 //! tolerance of one ray it tries the nearest 64.
 
+use super::leave;
 use super::soup::first_t;
 use super::witness::{Search, Sought, inside_near};
 use super::{TrueAnswer, Truth};
@@ -203,7 +207,11 @@ impl Truth {
             Some(delta) if in_solid => Verdict::InSolidEdge { delta },
             Some(delta) => Verdict::Edge { delta },
             None if in_solid => Verdict::Wrong { why: Why::StartsInSolid },
-            None => Verdict::Wrong { why },
+            None => {
+                let t = if let Sought::Hit { t, .. } = sought { t } else { 0.0 };
+                let left = leave::from_surface(self, ray, sought, EXACT * (1.0 + t));
+                left.map_or(Verdict::Wrong { why }, |delta| Verdict::Edge { delta })
+            }
         }
     }
 }

@@ -390,6 +390,40 @@ fn detail_and_open_meshes_do_not_carve() {
     }
 }
 
+/// A ray hardly off a sheet, which it comes through far off; on both sides are steps that it passes as narrowly.
+#[test]
+fn starts_at_open_surfaces_count_as_beyond_them() {
+    let quad = |corners: [[f64; 3]; 4]| {
+        let [a, b, c, d] = corners;
+        Shape(vec![[a, b, c], [a, c, d]])
+    };
+    let upright = |x: f64| quad([[x, -1.0, -1.0], [x, 1.0, -1.0], [x, 1.0, 3.0], [x, -1.0, 3.0]]);
+    let level =
+        |[from, to]: [f64; 2], z: f64| quad([[from, -1.0, z], [to, -1.0, z], [to, 1.0, z], [from, 1.0, z]]);
+    let steps = level([0.0, 1.0], 0.2).and(level([-1.0, -9e-7], 0.1));
+    let ceiling = level([-1.0, 1.0], 2.0);
+    let around = |sheet: Shape, semantic: Semantic| {
+        let rest = [(Semantic::Stair, steps.clone()), (Semantic::Ground, ceiling.clone())];
+        truth(&[vec![(semantic, sheet)], rest.to_vec()].concat())
+    };
+    let ray = Ray::new([-1e-6, 0.1, 0.0], [2e-6, 0.0, 1.0]);
+    let beyond = hit(2.0, 2);
+    let sheet = around(upright(0.0), Semantic::Wall);
+    assert!(matches!(sheet.answer(&ray), TrueAnswer::Hit(n) if n.element == ElementId(0) && n.t > 0.49));
+    assert!(
+        matches!(sheet.judge(&ray, &beyond).verdict, Verdict::Edge { delta } if (delta - 1e-6).abs() < 1e-9)
+    );
+    // Through nothing else, to nothing else, and not from farther away.
+    assert_eq!(sheet.judge(&ray, &hit(2.5, 2)).verdict, wrong(Why::WentThrough));
+    assert_eq!(sheet.judge(&ray, &Answer::Escaped).verdict, wrong(Why::Missed));
+    let steeper = Ray::new([-3e-3, 0.1, 0.0], [6e-3, 0.0, 1.0]);
+    let exact = 2.0 * (1.0 + 3.6e-5f64).sqrt();
+    assert_eq!(sheet.judge(&steeper, &hit(exact, 2)).verdict, wrong(Why::WentThrough));
+    // What encloses something is entered.
+    let solid = around(Shape::cuboid([0.0, -1.0, -1.0], [0.5, 1.0, 1.5]), Semantic::Wall);
+    assert_eq!(solid.judge(&ray, &beyond).verdict, wrong(Why::WentThrough));
+}
+
 #[test]
 fn segments_end_where_they_should() {
     // Furniture does not carve, so that segments may start within.

@@ -149,7 +149,10 @@ fn floors(space: &Space<'_>, find: Find<'_>) {
                 }
                 sum += common_area(&space.footprints[c], &space.footprints[other as usize]);
             }
-            if !at_hull && (sum - whole).abs() > 1e-9 * whole + 1e-2 {
+            // Products of lengths, each rounded.
+            let reach = space.footprints[c].iter().map(|p| p.x.abs().max(p.y.abs())).max().unwrap_or(0);
+            let rounding = 64.0 * f64::EPSILON * f64::from(reach).powi(2);
+            if !at_hull && (sum - whole).abs() > 1e-9 * whole + rounding + 1e-2 {
                 find(
                     "floor areas",
                     format!("cell {c} above {is_above}: twice {sum} of {whole} square units"),
