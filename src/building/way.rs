@@ -36,6 +36,12 @@ pub struct Way {
     pub length: f64,
 }
 
+/// A gate, and the label that one comes into through it.
+type Step = (usize, Label);
+
+/// By step: how far it is, and the step before.
+type Steps = BTreeMap<Step, (f64, Option<Step>)>;
+
 /// All portals between two labels.
 struct Gate {
     between: [Label; 2],
@@ -55,8 +61,7 @@ impl Building {
         for (number, gate) in gates.iter().enumerate() {
             gate.between.into_iter().for_each(|label| at.entry(label).or_default().push(number));
         }
-        // By gate and the label that one comes into: how far it is, and where one came from.
-        let mut best: BTreeMap<(usize, Label), (f64, Option<(usize, Label)>)> = BTreeMap::new();
+        let mut best: Steps = BTreeMap::new();
         // No length is negative, so that bits are in the order of lengths.
         let mut waiting = BinaryHeap::new();
         for &gate in at.get(&from)? {
@@ -84,14 +89,7 @@ impl Building {
         None
     }
 
-    fn traced(
-        &self,
-        from: Label,
-        end: (usize, Label),
-        length: f64,
-        best: &BTreeMap<(usize, Label), (f64, Option<(usize, Label)>)>,
-        gates: &[Gate],
-    ) -> Way {
+    fn traced(&self, from: Label, end: Step, length: f64, best: &Steps, gates: &[Gate]) -> Way {
         let (mut through, mut portals) = (Vec::new(), Vec::new());
         let mut here = Some(end);
         while let Some((gate, label)) = here {
