@@ -86,7 +86,7 @@ pub mod trace;
 pub mod verify;
 
 #[cfg(feature = "compile")]
-pub use compile::{CompileError, CompileOptions, Compiled, compile, compile_partition};
+pub use compile::{CompileError, CompileOptions, Compiled, compile, compile_building, compile_partition};
 pub use enfilade_importers as importers;
 pub use scene::{OpenError, Scene};
 pub use trace::{Answer, Cost, Hit, Kernel, NONE, Place, Ray, Start, Want};

@@ -74,6 +74,13 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(building: &'a Building) -> Result<Reader<'a>, CellsError> {
         let map = &building.topology.map;
+        let at = |dart: Dart| building.topology.cell_of.get(dart.index()).copied().unwrap_or(UNSEEN);
+        if let Some(defect) = map.defects().next() {
+            return Err(CellsError { volume: at(defect.dart()), what: "its alphas do not fit each other" });
+        }
+        if let Some(dart) = (0..3).find_map(|i| map.free(i).next()) {
+            return Err(CellsError { volume: at(dart), what: "it is open" });
+        }
         let mut volume_of = vec![UNSEEN; map.table_len()];
         let mut waiting = Vec::new();
         for (volume, number) in building.volumes.iter().zip(0..) {

@@ -237,3 +237,40 @@ fn cells_of_real_buildings_are_read_off_the_map() {
         check_model(&path.display().to_string(), &model);
     }
 }
+
+/// Nothing in the map is decoration: with any one link gone or led elsewhere its cells are refused, or others.
+#[test]
+fn every_link_counts() {
+    let model = house(&bare()).to_model().unwrap();
+    let whole = built(&model);
+    let cells = whole.cells().unwrap();
+    let darts: Vec<Dart> = whole.topology.map.darts().collect();
+    let mut random = crate::splitmix::SplitMix64::new(5);
+    let (mut refused, mut changed) = ([0; 4], [0; 4]);
+    for round in 0..800 {
+        let i = round % 4;
+        let mut building = whole.clone();
+        let map = &mut building.topology.map;
+        let [a, b] = [0, 1].map(|_| darts[random.below(darts.len() as u64) as usize]);
+        let [c, d] = [a, b].map(|dart| map.alpha(i, dart));
+        // The outside of the hull has no link to lose.
+        if c == a || (round >= 400 && (d == b || b == a || b == c)) {
+            continue;
+        }
+        map.unlink(i, a);
+        if round >= 400 {
+            map.unlink(i, b);
+            map.link(i, a, b);
+            map.link(i, c, d);
+        }
+        match building.cells() {
+            Err(_) => refused[i] += 1,
+            Ok(other) => {
+                assert!(other != cells, "alpha {i} of {a:?}, {b:?}: nobody saw it");
+                changed[i] += 1;
+            }
+        }
+    }
+    println!("refused {refused:?}, changed {changed:?}");
+    assert!(refused.iter().all(|&count| count > 0));
+}

@@ -10,6 +10,7 @@ mod cell_grid;
 mod detail;
 mod geometry;
 mod locator;
+mod mapped;
 pub(crate) mod outward;
 mod prisms;
 mod report;
@@ -19,6 +20,7 @@ use std::time::Instant;
 use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget, Untagged, UpAxis, Watch};
 
 use self::geometry::Gathered;
+use crate::building::Building;
 use crate::format::Tables;
 use crate::format::records::{
     BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
@@ -118,12 +120,13 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
         .with_limits(options.limits)
         .with_watch(options.watch.clone());
     let failed = match partition(model, &how) {
-        Ok((partition, partitioned)) => match compile_partition(model, &partition, options) {
+        Ok((partition, partitioned)) => match compile_cells(model, partition, options) {
             Ok(mut compiled) => {
                 compiled.report.add_partition(&partitioned, &model.frame);
                 return Ok(compiled);
             }
             Err(CompileError::OverBudget(over)) => over.to_string(),
+            Err(CompileError::Partition(what)) => what,
             Err(other) => return Err(other),
         },
         Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled.into()),
@@ -131,6 +134,35 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
     };
     let mut compiled = compile_partition(model, &Partition::whole(), options)?;
     compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
+    Ok(compiled)
+}
+
+/// Compiles `model` by the map of its cells.
+fn compile_cells(
+    model: &Model,
+    partition: Partition,
+    options: &CompileOptions,
+) -> Result<Compiled, CompileError> {
+    let (building, map) = mapped::building(model, partition, options)?;
+    let mut compiled = compile_building(model, building, options)?;
+    compiled.report.stages.insert(0, map);
+    Ok(compiled)
+}
+
+/// Compiles `model`, whose map is `building`: cells, and what lies beyond each part of their surfaces, are read off it. The map
+/// is not kept.
+///
+/// # Errors
+/// [`CompileError`]; [`CompileError::Partition`] for the map of another model, or one that is none of convex prisms.
+pub fn compile_building(
+    model: &Model,
+    building: Building,
+    options: &CompileOptions,
+) -> Result<Compiled, CompileError> {
+    let (cells, stage) = mapped::cells(&building, options)?;
+    drop(building);
+    let mut compiled = compile_partition(model, &cells, options)?;
+    compiled.report.stages.insert(0, stage);
     Ok(compiled)
 }
 

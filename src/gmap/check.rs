@@ -61,6 +61,15 @@ impl Shape {
     }
 }
 
+impl Defect {
+    /// The dart at which something is wrong.
+    pub fn dart(&self) -> Dart {
+        match *self {
+            Defect::NotAnInvolution { dart, .. } | Defect::NotGlued { dart, .. } => dart,
+        }
+    }
+}
+
 /// Products that must be involutions.
 const PRODUCTS: [[usize; 2]; 3] = [[0, 2], [0, 3], [1, 3]];
 

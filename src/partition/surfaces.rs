@@ -28,7 +28,7 @@ use super::shapes::{Part, Wall, parts, walls};
 use crate::lattice::FINE;
 use crate::oracle::parallel;
 
-/// Tolerances of [`attach`].
+/// Tolerances of the search for surfaces.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SurfaceOptions {
@@ -70,7 +70,7 @@ fn index<S: serde::Serializer>(element: &Option<ElementId>, to: S) -> Result<S::
     serde::Serialize::serialize(&element.map(|element| element.0), to)
 }
 
-/// What [`attach`] found.
+/// What the search for surfaces found.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SurfaceReport {
     /// Parts of air cells' surfaces beyond which there is matter.

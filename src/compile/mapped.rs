@@ -1,0 +1,43 @@
+//! From a partition to the building's map, and from the map to the cells that the scene is made of.
+
+use std::time::Instant;
+
+use enfilade_importers::{Budget, Model};
+
+use super::{CompileError, CompileOptions, Stage};
+use crate::building::Building;
+use crate::partition::cells::Partition;
+
+/// Bytes of the map for each part of a cell's surface that the partition knows: some ten darts, with all that is kept of each
+/// while the map is made.
+const BYTES_A_PART: usize = 1024;
+
+/// The building that a model is, its space being cut by `partition`, which is no longer needed then.
+pub(super) fn building(
+    model: &Model,
+    partition: Partition,
+    options: &CompileOptions,
+) -> Result<(Building, Stage), CompileError> {
+    options.watch.check()?;
+    let start = Instant::now();
+    let parts = (partition.faces.len() + partition.covers.len()) as u64;
+    Budget::new(&options.limits).take_items(parts, BYTES_A_PART, "the map of the building")?;
+    let building = Building::new(model, &partition)
+        .map_err(|error| CompileError::Partition(format!("its cells have no map: {error}")))?;
+    let stage = Stage { name: "map", seconds: start.elapsed().as_secs_f64() };
+    options.watch.report(stage.name, 1.0);
+    Ok((building, stage))
+}
+
+/// The cells of a building.
+pub(super) fn cells(
+    building: &Building,
+    options: &CompileOptions,
+) -> Result<(Partition, Stage), CompileError> {
+    options.watch.check()?;
+    let start = Instant::now();
+    let cells = building.cells().map_err(|error| CompileError::Partition(error.to_string()))?;
+    let stage = Stage { name: "cells of the map", seconds: start.elapsed().as_secs_f64() };
+    options.watch.report(stage.name, 1.0);
+    Ok((cells, stage))
+}
