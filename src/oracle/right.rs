@@ -25,7 +25,8 @@
 //!
 //! An answer `InSolid` is right if the start, or a point within the tolerance of it, is inside that solid.
 //!
-//! A right answer other than an exact one is only ever granted with a witness that was traced, so no wrong answer is
+//! A right answer other than an exact one is only ever granted with a witness that was traced (or, where surfaces at the start are left
+//! out, with the ray itself), so no wrong answer is
 //! called right. The search finds a witness beside every edge, and around every corner and crossing of edges, as
 //! seen along the ray: one for each set of parallel rays that meet the same surfaces in the same order, down to sets
 //! narrower than some picometres. What of a triangle lies that near to a ray, which no ray of f64 can be aimed at, is met
