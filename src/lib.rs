@@ -83,6 +83,8 @@ mod shells;
 mod splitmix;
 pub mod trace;
 #[cfg(feature = "compile")]
+pub mod validate;
+#[cfg(feature = "compile")]
 pub mod verify;
 
 #[cfg(feature = "compile")]

@@ -12,8 +12,18 @@ use common::{Folder, Ran, fixture_arg};
 use enfilade::generate::{HouseOptions, house};
 use serde_json::Value;
 
-const COMMANDS: [&str; 9] =
-    ["inspect", "compile", "trace", "render", "verify", "bench", "generate", "rules", "completions"];
+const COMMANDS: [&str; 10] = [
+    "inspect",
+    "compile",
+    "validate",
+    "trace",
+    "render",
+    "verify",
+    "bench",
+    "generate",
+    "rules",
+    "completions",
+];
 
 fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().unwrap_or_else(|| panic!("no list {key} in {value}"))
@@ -441,4 +451,31 @@ fn a_reader_that_leaves_is_no_failure() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}
+
+#[test]
+fn validate_tells_findings_by_code() {
+    let folder = Folder::new();
+    folder.run(&["generate", "house", "-o", "house.glb", "--no-truth"]).expect(0);
+    let ran = folder.run(&["validate", "house.glb"]).expect(0);
+    let text = ran.text();
+    assert!(text.contains("8 rooms") && text.contains("nothing found"), "{text}");
+    let told = folder.run(&["validate", "house.glb", "--json"]).expect(0).json();
+    assert_eq!(told["findings"].as_array().map(Vec::len), Some(0));
+    assert!(told["darts"].as_u64().is_some_and(|darts| darts > 1000));
+    // Without openings in the model their holes are leaks.
+    folder.run(&["generate", "house", "-o", "leaks.glb", "--no-truth", "--openings-missing"]).expect(0);
+    let told = folder.run(&["validate", "leaks.glb", "--json"]).expect(1).json();
+    let findings = told["findings"].as_array().unwrap();
+    let leaks: Vec<_> = findings.iter().filter(|finding| finding["code"] == "S02").collect();
+    assert!(!leaks.is_empty());
+    for leak in leaks {
+        let chain = leak["chain"].as_array().unwrap();
+        assert!(
+            chain.len() >= 2 && leak["id"].is_string() && leak["size"].as_f64().unwrap() > 1e-4,
+            "{leak}"
+        );
+    }
+    folder.run(&["validate", "leaks.glb", "--ignore", "s02"]).expect(0);
+    folder.run(&["validate", "leaks.glb", "--ignore", "S99"]).expect(2);
 }

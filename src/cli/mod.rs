@@ -12,6 +12,7 @@ mod render;
 mod space;
 mod style;
 mod trace;
+mod validate;
 mod verify;
 
 use std::process::ExitCode;
@@ -34,6 +35,7 @@ const EXAMPLES: &str = "\
 Examples:
   enfilade generate house -o house.glb            make a small house
   enfilade inspect house.glb                      what is in it
+  enfilade validate house.glb                     do its rooms, doors and windows make sense?
   enfilade compile house.glb -o house.enf         compile it
   enfilade render house.enf -o house.png          a picture from the largest room
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
@@ -45,6 +47,7 @@ Exit codes: 0 fine, 1 findings, 2 wrong usage, 3 bad input, 4 output failed.";
 enum Command {
     Inspect(inspect::Arguments),
     Compile(compile::Arguments),
+    Validate(validate::Arguments),
     Trace(trace::Arguments),
     Render(render::Arguments),
     Verify(verify::Arguments),
@@ -81,6 +84,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
     match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compile(arguments) => compile::run(&arguments),
+        Command::Validate(arguments) => validate::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

@@ -1,0 +1,98 @@
+//! Whether volumes are convex prisms that fill the hull.
+
+use super::{Code, Finding};
+use crate::building::{Building, Volume};
+use crate::lattice::{FINE, Point, orient};
+use crate::partition::cells::Label;
+use crate::partition::six_volume;
+use crate::sew::Way;
+
+/// Vertices are f64, and no farther off planes than this by that, lattice steps.
+const ROUNDING: f64 = 1e-3;
+
+pub(super) fn check(building: &Building) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for volume in &building.volumes {
+        let corners = building.footprints.get(volume.footprint.start as usize..volume.footprint.end as usize);
+        if !corners.is_some_and(is_convex) {
+            findings.push(about(building, volume, Code::G01, "its footprint is not convex".to_owned()));
+        }
+    }
+    if !findings.is_empty() {
+        return findings;
+    }
+    let cells = match building.cells() {
+        Ok(cells) => cells,
+        Err(error) => {
+            let volume = building.volumes.get(error.volume as usize).or(building.volumes.first());
+            return volume
+                .map(|volume| about(building, volume, Code::G02, error.to_string()))
+                .into_iter()
+                .collect();
+        }
+    };
+    let sum: i128 = cells.cells.iter().map(|cell| six_volume(&cells, cell)).sum();
+    let [x, y, z] = [0, 1, 2].map(|i| i128::from(building.hull[1][i]) - i128::from(building.hull[0][i]));
+    let missing = 6 * i128::from(FINE) * x * y * z - sum;
+    if missing != 0 && !building.volumes.is_empty() {
+        let size = missing as f64 / 6.0 / FINE as f64 * building.lattice.step().powi(3);
+        let at = building.lattice.metres([0, 1, 2].map(|i| f64::from(building.hull[0][i])));
+        findings.push(building.finding(
+            Code::G03,
+            None,
+            at,
+            size,
+            "volumes do not sum to the hull's".to_owned(),
+        ));
+    }
+    findings.extend(off_planes(building));
+    findings
+}
+
+/// Whether a polygon goes around once, counter-clockwise, and turns at each corner.
+fn is_convex(corners: &[Point]) -> bool {
+    let count = corners.len();
+    let at = |i: usize| corners[i % count];
+    count > 2
+        && (0..count).all(|i| orient(at(i), at(i + 1), at(i + 2)) > 0)
+        && (1..count - 1).all(|i| orient(at(0), at(i), at(i + 1)) > 0)
+}
+
+/// The vertex that is farthest off a plane of its faces, if that is farther than heights that were made one lie apart.
+fn off_planes(building: &Building) -> Option<Finding> {
+    let topology = &building.topology;
+    let mut worst = (ROUNDING, None);
+    for face in &topology.faces {
+        for dart in topology.map.around_face(face.dart) {
+            let at = topology.points[topology.vertex_of[dart.index()] as usize];
+            let off = match face.way {
+                Way::Ceiling(plane) | Way::Floor(plane) => {
+                    let plane = &building.planes[plane as usize];
+                    (at[2] - plane.height_f64(at[0], at[1])).abs() - topology.joined.1
+                }
+                Way::Upright([a, b]) => {
+                    let [dx, dy] = [f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y)];
+                    let cross = dx * (at[1] - f64::from(a.y)) - dy * (at[0] - f64::from(a.x));
+                    cross.abs() / dx.hypot(dy)
+                }
+            };
+            if off > worst.0 {
+                worst = (off, Some((face, at)));
+            }
+        }
+    }
+    let (off, Some((face, at))) = worst else { return None };
+    let size = off * building.lattice.step();
+    let text = format!("a vertex of the face of volumes {} and {} is off its plane", face.one, face.other);
+    Some(building.finding(Code::G04, None, building.lattice.metres(at), size, text))
+}
+
+fn about(building: &Building, volume: &Volume, code: Code, text: String) -> Finding {
+    let element = match volume.label {
+        Label::Air(element) | Label::Solid(element) => Some(element),
+        Label::Exterior | Label::Void => None,
+    };
+    let vertex = building.topology.vertex_of.get(volume.dart.index()).copied().unwrap_or(0);
+    let at = building.topology.points.get(vertex as usize).copied().unwrap_or_default();
+    building.finding(code, element, building.lattice.metres(at), 0.0, text)
+}
