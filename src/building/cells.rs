@@ -9,7 +9,7 @@ use super::{Building, Volume};
 use crate::gmap::Dart;
 use crate::lattice::{Point, orient};
 use crate::partition::cells::{Cell, Cover, Face, NONE, Partition, Section};
-use crate::sew::Way as Lie;
+use crate::sew::{Part, Way as Lie};
 
 /// The map of a building does not have the form of cells.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -291,20 +291,8 @@ impl<'a> Reader<'a> {
     }
 
     fn part(&self, side: &Side) -> Part {
-        match self.lie(side.face) {
-            Lie::Upright(_) => Part::Side,
-            Lie::Ceiling(_) if side.is_first => Part::Ceiling,
-            Lie::Ceiling(_) | Lie::Floor(_) => Part::Floor,
-        }
+        self.lie(side.face).part(side.is_first)
     }
-}
-
-/// What a face is of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
-    Floor,
-    Ceiling,
-    Side,
 }
 
 /// An edge of a footprint, the volume on its left.

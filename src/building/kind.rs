@@ -2,6 +2,8 @@
 
 use enfilade_importers::Semantic;
 
+use crate::sew::Part;
+
 /// What a face separates. The numbers are those of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u32)]
@@ -78,33 +80,23 @@ impl FaceKind {
         }
     }
 
-    /// What a face between air and matter is called. `matter` is the meaning of the element whose surface it is.
-    pub fn of_surface(air: Semantic, matter: Semantic, facing: Facing, is_glass: bool) -> FaceKind {
+    /// What a face between air and matter is called. `matter` is the meaning of the element whose surface it is,
+    /// `part` what it is of the air.
+    pub fn of_surface(air: Semantic, matter: Semantic, part: Part, is_glass: bool) -> FaceKind {
         if is_glass {
             return FaceKind::Pane;
         }
-        match (air, facing, matter) {
+        match (air, part, matter) {
             (Semantic::Door | Semantic::Window | Semantic::Opening, ..) => FaceKind::GatePost,
             (Semantic::Void, ..) => FaceKind::Lining,
-            (Semantic::Exterior, Facing::Down, Semantic::Ground) => FaceKind::Terrain,
+            (Semantic::Exterior, Part::Floor, Semantic::Ground) => FaceKind::Terrain,
             (Semantic::Exterior, _, Semantic::Roof) => FaceKind::Roofing,
             (Semantic::Exterior, ..) => FaceKind::Facade,
-            (_, Facing::Down, _) => FaceKind::Floor,
-            (_, Facing::Up, _) => FaceKind::Ceiling,
-            (_, Facing::Aside, _) => FaceKind::Wallpaper,
+            (_, Part::Floor, _) => FaceKind::Floor,
+            (_, Part::Ceiling, _) => FaceKind::Ceiling,
+            (_, Part::Side, _) => FaceKind::Wallpaper,
         }
     }
-}
-
-/// Where matter is, seen from the air beside it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Facing {
-    /// Below it, level or sloped.
-    Down,
-    /// Above it.
-    Up,
-    /// Beside it, upright.
-    Aside,
 }
 
 #[cfg(test)]
@@ -115,7 +107,7 @@ mod tests {
     fn faces_are_called_by_what_they_separate() {
         use FaceKind::*;
         let of = |air, matter, facing| FaceKind::of_surface(air, matter, facing, false);
-        let (down, up, aside) = (Facing::Down, Facing::Up, Facing::Aside);
+        let (down, up, aside) = (Part::Floor, Part::Ceiling, Part::Side);
         for (air, matter, facing, kind) in [
             (Semantic::Room, Semantic::Wall, aside, Wallpaper),
             (Semantic::Room, Semantic::Column, aside, Wallpaper),

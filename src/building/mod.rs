@@ -7,6 +7,7 @@
 mod cells;
 mod kind;
 mod looks;
+mod portals;
 mod queries;
 #[cfg(test)]
 mod tests;
@@ -16,16 +17,18 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use enfilade_importers::{ElementId, MaterialId, Model, Semantic};
+use glam::DVec3;
 
 use crate::gmap::Dart;
 use crate::lattice::{Lattice, Plane, Point, orient};
 use crate::partition::cells::{Label, NONE, Partition, Source};
-use crate::sew::{Sewn, Topology, TopologyError, Way as Lie, sew};
+use crate::sew::{Sewn, Topology, TopologyError, sew};
 
 use looks::Looks;
+pub(crate) use portals::{Place, Portal, Portals};
 
 pub use cells::CellsError;
-pub use kind::{FaceKind, Facing};
+pub use kind::FaceKind;
 pub use way::{Way, WayOptions};
 
 /// A building.
@@ -129,7 +132,7 @@ impl Building {
             }
         }
         let (mut volumes, mut footprints) = (Vec::with_capacity(darts.len()), Vec::new());
-        // A cell without a face would not have been closed.
+        // Each has one: a cell without a face is not sewn.
         for (cell, dart) in partition.cells.iter().zip(darts).filter_map(|(cell, dart)| Some((cell, dart?))) {
             let first = footprints.len() as u32;
             let corners: Vec<Point> = partition.footprint(cell).collect();
@@ -198,6 +201,21 @@ impl Building {
         around.map(move |dart| self.lattice.metres(self.topology.points[vertex(dart) as usize]))
     }
 
+    /// The middle of a face, by area; metres, internal frame.
+    pub(crate) fn middle(&self, face: u32) -> DVec3 {
+        let corners: Vec<DVec3> = self.corners(face).map(DVec3::from).collect();
+        let normal: DVec3 =
+            corners.windows(2).map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0])).sum();
+        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+        for pair in corners.windows(2) {
+            let own = (pair[0] - corners[0]).cross(pair[1] - corners[0]).dot(normal);
+            sum += (corners[0] + pair[0] + pair[1]) / 3.0 * own;
+            weight += own;
+        }
+        // Of a face without area any of its points.
+        if weight > 0.0 { sum / weight } else { corners.first().copied().unwrap_or_default() }
+    }
+
     /// Names a face.
     fn name(&self, model: &Model, looks: &[Looks], face: &Sewn) -> Face {
         let labels = [face.one, face.other].map(|volume| self.label(volume));
@@ -210,11 +228,6 @@ impl Building {
             (true, false) => (one, other, true),
             (false, true) => (other, one, false),
         };
-        let facing = match face.way {
-            Lie::Upright(_) => Facing::Aside,
-            Lie::Ceiling(_) if is_first => Facing::Up,
-            Lie::Ceiling(_) | Lie::Floor(_) => Facing::Down,
-        };
         let body = if let Label::Solid(element) = matter { Some(element) } else { None };
         let source = face.sources[if is_first { 0 } else { 1 }];
         let look = looks.get(source as usize).and_then(|looks| looks.before(body));
@@ -224,7 +237,7 @@ impl Building {
             .and_then(|material| model.materials.get(material.0 as usize))
             .is_some_and(|material| material.is_see_through());
         let of_matter = element.map_or(Semantic::Unknown, |element| self.semantic(Label::Solid(element)));
-        let kind = FaceKind::of_surface(self.semantic(air), of_matter, facing, is_glass);
+        let kind = FaceKind::of_surface(self.semantic(air), of_matter, face.way.part(is_first), is_glass);
         Face { kind, element, material, area }
     }
 

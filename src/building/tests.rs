@@ -224,17 +224,8 @@ fn cells_are_read_off_the_map() {
 
 #[test]
 fn cells_of_real_buildings_are_read_off_the_map() {
-    let Some(folder) = std::env::var_os("ENFILADE_BUILDINGS") else {
-        println!("SKIPPED: ENFILADE_BUILDINGS is not set");
-        return;
-    };
-    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|e| e == "glb"));
-    paths.sort();
-    assert!(!paths.is_empty());
-    for path in paths {
-        let model = crate::importers::import(&path, &Default::default()).unwrap();
-        check_model(&path.display().to_string(), &model);
+    for (name, model) in crate::partition::testing::real_models() {
+        check_model(&name, &model);
     }
 }
 

@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 use enfilade_importers::Semantic;
 use glam::DVec3;
 
-use super::{Building, FaceKind};
+use super::Building;
+use super::portals::Portals;
 use crate::partition::cells::Label;
 
 /// How one goes.
@@ -105,22 +106,17 @@ impl Building {
 
     /// The portals between all labels that may be passed.
     fn gates(&self, is_passable: &dyn Fn(Label) -> bool) -> Vec<Gate> {
-        let mut sums: BTreeMap<[Label; 2], (f64, DVec3)> = BTreeMap::new();
-        for (face, number) in self.faces.iter().zip(0..) {
-            let sewn = &self.topology.faces[number as usize];
-            let labels = [sewn.one, sewn.other].map(|volume| self.label(volume));
-            let [Some(one), Some(other)] = labels else { continue };
-            let is_gate = face.kind == FaceKind::Portal && one != other;
-            if is_gate && is_passable(one) && is_passable(other) {
-                let corners: Vec<DVec3> = self.corners(number).map(DVec3::from).collect();
-                let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-                let sum = sums.entry([one.min(other), one.max(other)]).or_default();
-                sum.0 += face.area;
-                sum.1 += middle * face.area;
-            }
+        let portals = Portals::of(self);
+        let mut gates = Vec::new();
+        for one in portals.places() {
+            let beyond = portals.around(one).filter(|(other, portal)| one < *other && portal.area > 0.0);
+            gates.extend(
+                beyond
+                    .filter(|(other, _)| is_passable(one.0) && is_passable(other.0))
+                    .map(|(other, portal)| Gate { between: [one.0, other.0], middle: portal.middle }),
+            );
         }
-        let gates = sums.into_iter().filter(|(_, (area, _))| *area > 0.0);
-        gates.map(|(between, (area, sum))| Gate { between, middle: sum / area }).collect()
+        gates
     }
 
     fn is_passable(&self, label: Label, options: &WayOptions) -> bool {

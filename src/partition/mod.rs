@@ -33,7 +33,7 @@ mod stacks;
 pub mod straighten;
 pub mod surfaces;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod unkink;
 
 use std::collections::BTreeMap;

@@ -263,3 +263,17 @@ pub(super) fn distance(corners: &[[f64; 3]; 3], p: DVec3) -> f64 {
     };
     (0..3).map(to_edge).fold(f64::INFINITY, f64::min)
 }
+
+/// The models of the reader's own folder, with their paths; none if there is no such folder.
+pub(crate) fn real_models() -> Vec<(String, enfilade_importers::Model)> {
+    let Some(folder) = std::env::var_os("ENFILADE_BUILDINGS") else {
+        println!("SKIPPED: ENFILADE_BUILDINGS is not set");
+        return Vec::new();
+    };
+    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "glb"));
+    paths.sort();
+    assert!(!paths.is_empty());
+    let read = |path: &std::path::PathBuf| crate::importers::import(path, &Default::default()).unwrap();
+    paths.iter().map(|path| (path.display().to_string(), read(path))).collect()
+}

@@ -52,6 +52,28 @@ pub enum Way {
     Upright([Point; 2]),
 }
 
+/// What a face is of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// Of its floor.
+    Floor,
+    /// Of its sides.
+    Side,
+    /// Of its ceiling.
+    Ceiling,
+}
+
+impl Way {
+    /// What the face is of the cell on its first side, or on its other.
+    pub fn part(self, is_first: bool) -> Part {
+        match self {
+            Way::Upright(_) => Part::Side,
+            Way::Ceiling(_) if is_first => Part::Ceiling,
+            Way::Ceiling(_) | Way::Floor(_) => Part::Floor,
+        }
+    }
+}
+
 /// The map of a partition.
 #[derive(Clone, Debug)]
 pub struct Topology {
@@ -85,6 +107,12 @@ pub enum TopologyError {
         to: [f64; 3],
         /// Of how many faces it is an edge.
         faces: usize,
+    },
+    /// A cell has no face.
+    #[error("cell {cell} has no face")]
+    NoFace {
+        /// The cell.
+        cell: u32,
     },
 }
 
@@ -150,6 +178,9 @@ fn build(
         });
     }
     for (cell, mut own) in edges.into_iter().enumerate() {
+        if own.is_empty() {
+            return Err(TopologyError::NoFace { cell: cell as u32 });
+        }
         own.sort_unstable();
         for run in own.chunk_by(|a, b| a.ends == b.ends) {
             // Where a cell has no height, an edge may lie in its floor and in its ceiling: two, over each other.
@@ -172,8 +203,8 @@ fn build(
 struct Edge {
     /// Its vertices, the lower number first.
     ends: [u32; 2],
-    /// What the face is of the cell: 0 floor, 1 side, 2 ceiling.
-    part: u8,
+    /// What the face is of the cell.
+    part: Part,
     /// The dart at its start.
     start: Dart,
 }
@@ -193,11 +224,7 @@ impl Topology {
 
     /// Adds one side of a face.
     fn add(&mut self, face: &Polygon, cell: u32, edges: &mut [Vec<Edge>]) -> Dart {
-        let part = match face.way {
-            Way::Upright(_) => 1,
-            Way::Ceiling(_) if cell == face.one => 2,
-            Way::Ceiling(_) | Way::Floor(_) => 0,
-        };
+        let part = face.way.part(cell == face.one);
         let first = self.map.add_face(face.corners.len());
         for (k, corner) in face.corners.iter().enumerate() {
             let next = face.corners[(k + 1) % face.corners.len()].vertex;

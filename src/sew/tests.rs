@@ -87,16 +87,8 @@ fn damaged_houses_are_maps() {
 
 #[test]
 fn real_buildings_are_maps() {
-    let Some(folder) = std::env::var_os("ENFILADE_BUILDINGS") else {
-        println!("SKIPPED: ENFILADE_BUILDINGS is not set");
-        return;
-    };
-    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|e| e == "glb"));
-    paths.sort();
-    assert!(!paths.is_empty());
-    for path in paths {
-        check(&path.display().to_string(), &crate::importers::import(&path, &Default::default()).unwrap());
+    for (name, model) in crate::partition::testing::real_models() {
+        check(&name, &model);
     }
 }
 
