@@ -204,3 +204,18 @@ fn witnesses_may_be_moved_across_and_along() {
         assert!(!verdict(rise, 1.05e-3).is_right(), "{rise} {depth}");
     }
 }
+
+/// A ray that starts on a triangle kilometres long and millimetres wide: its start counts as beyond it.
+#[test]
+fn starts_on_long_slivers() {
+    let model = read("v 3331 2 1\nv -3326 -1 -2\nv -3332 -1 -2\nf 1 2 3\n");
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let truth = Truth::new(&model, |_| Role::Detail, &TruthOptions::default());
+    let ray = Ray::new(
+        [-1572.6346500434138, -0.20877654913418286, -1.2087765491341829],
+        [0.6041367277271263, 0.37625593731770773, -0.7024601653078509],
+    );
+    let judged = truth.judge(&ray, &scene.trace(&ray));
+    assert!(judged.verdict.is_right(), "{judged:?}");
+    check(&model, 3000);
+}

@@ -146,51 +146,53 @@ fn exact_distance(line: &Line, corners: &Corners) -> Option<f64> {
     t.is_finite().then_some(t)
 }
 
-/// The point of the triangle that is nearest to `p` (Ericson, "Real-Time Collision Detection", 5.1.5).
-pub(crate) fn closest_point([a, b, c]: &Corners, p: [f64; 3]) -> [f64; 3] {
-    let (ab, ac) = (sub(*b, *a), sub(*c, *a));
-    let along = |base: [f64; 3], way: [f64; 3], share: f64| [0, 1, 2].map(|i| base[i] + share * way[i]);
-    let ap = sub(p, *a);
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return *a;
+/// Times the product of two edges' lengths: a normal shorter than this is all rounding.
+const NORMAL_ERROR: f64 = 16.0 * U;
+
+/// The point of the triangle that is nearest to `p`: of those of its three edges, and the foot of the perpendicular if
+/// that lies within. Everything is taken relative to `p`, and no two products of areas are compared (Ericson,
+/// "Real-Time Collision Detection", 5.1.5, does, and is metres off on a triangle that is kilometres long and
+/// millimetres wide).
+pub(crate) fn closest_point(corners: &Corners, p: [f64; 3]) -> [f64; 3] {
+    let from = corners.map(|corner| sub(corner, p));
+    let ways = [0, 1, 2].map(|i| sub(corners[(i + 1) % 3], corners[i]));
+    let mut best = from[0];
+    let mut least = dot(best, best);
+    for i in 0..3 {
+        let length = dot(ways[i], ways[i]);
+        // An edge without length is its corner.
+        let share = if length > 0.0 { (-dot(from[i], ways[i]) / length).clamp(0.0, 1.0) } else { 0.0 };
+        // From the corner that is nearer, for the smaller rounding.
+        let foot = if share <= 0.5 {
+            along(from[i], ways[i], share)
+        } else {
+            along(from[(i + 1) % 3], ways[i], share - 1.0)
+        };
+        let square = dot(foot, foot);
+        if square < least {
+            (best, least) = (foot, square);
+        }
     }
-    let bp = sub(p, *b);
-    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return *b;
+    // The normal from the two short edges, the plane from the corner that is nearest.
+    let lengths = ways.map(|way| dot(way, way));
+    let longest = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
+    let (e, f) = ((longest + 1) % 3, (longest + 2) % 3);
+    let normal = cross(ways[e], ways[f]);
+    let square = dot(normal, normal);
+    if square > NORMAL_ERROR * NORMAL_ERROR * lengths[e] * lengths[f] {
+        let squares = from.map(|corner| dot(corner, corner));
+        let nearest = (0..3).min_by(|&i, &j| squares[i].total_cmp(&squares[j])).unwrap_or(0);
+        let foot = normal.map(|n| n * dot(normal, from[nearest]) / square);
+        let within = (0..3).all(|i| dot(normal, cross(ways[i], sub(foot, from[i]))) >= 0.0);
+        if within && dot(foot, foot) < least {
+            best = foot;
+        }
     }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return along(*a, ab, d1 / (d1 - d3));
-    }
-    let cp = sub(p, *c);
-    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return *c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return along(*a, ac, d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return along(*b, sub(*c, *b), (d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let whole = va + vb + vc;
-    let q = along(*a, ab, vb / whole);
-    let within = along(q, ac, vc / whole);
-    // Of a sliver these volumes are all rounding: there, a side has the nearest point.
-    let on_side = |from: [f64; 3], way: [f64; 3]| {
-        let share = dot(sub(p, from), way) / dot(way, way);
-        along(from, way, share.clamp(0.0, 1.0))
-    };
-    let sides = [on_side(*a, ab), on_side(*b, sub(*c, *b)), on_side(*a, ac)];
-    let square = |q: &[f64; 3]| {
-        let way = sub(*q, p);
-        dot(way, way)
-    };
-    sides.into_iter().fold(within, |best, q| if square(&q) < square(&best) { q } else { best })
+    [0, 1, 2].map(|i| p[i] + best[i])
+}
+
+fn along(base: [f64; 3], way: [f64; 3], share: f64) -> [f64; 3] {
+    [0, 1, 2].map(|i| base[i] + share * way[i])
 }
 
 #[cfg(test)]
@@ -279,5 +281,18 @@ mod tests {
             let p = [5.0 / 3.0 + share * 4.0 / 3.0, -1.0, 1.0 / 3.0 + share * 8.0 / 3.0];
             assert!(apart(closest_point(&sliver, p), p) < 1e-12, "{share}");
         }
+        // Kilometres long, millimetres wide.
+        let long = [[3331.0, 2.0, 1.0], [-3326.0, -1.0, -2.0], [-3332.0, -1.0, -2.0]];
+        for i in 0..1000 {
+            let (u, v) = (f64::from(i % 40) / 39.0, f64::from(i / 40) / 24.0);
+            let (v, w) = ((1.0 - u) * v, (1.0 - u) * (1.0 - v));
+            let p = [0, 1, 2].map(|k| u * long[0][k] + v * long[1][k] + w * long[2][k]);
+            let at = closest_point(&long, p);
+            assert!(apart(at, p) < 1e-8, "{p:?} {at:?}");
+        }
+        let start = [-1572.6346500434138, -0.20877654913418286, -1.2087765491341829];
+        assert!(apart(closest_point(&long, start), start) < 1e-6);
+        // A point; nothing but its place is known of it.
+        assert_eq!(closest_point(&[[1.0, 2.0, 3.0]; 3], [1.0, 2.0, 7.0]), [1.0, 2.0, 3.0]);
     }
 }

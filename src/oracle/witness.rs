@@ -312,7 +312,7 @@ impl<'a> Search<'a> {
         let near = self.truth.near_line(&line, t - tolerance, t + tolerance).into_iter();
         let met = near.filter(|&index| soup.element(index) == element).filter_map(|index| {
             let corners = soup.corners[index as usize].map(|corner| sub(corner, ray.origin));
-            let [nearest, farthest] = self.narrow(&corners, line.direction)?;
+            let [nearest, farthest] = self.narrow(&corners, line.direction, t)?;
             let at = t.clamp(nearest, farthest);
             let off = (at - t).abs();
             (at <= before && off <= tolerance).then_some(off)
@@ -321,8 +321,8 @@ impl<'a> Search<'a> {
     }
 
     /// From where to where along the ray a triangle reaches, its corners relative to the origin, as far as the ray passes it
-    /// nearer than rays can be aimed: further than that only if the ray sees it from the side.
-    fn narrow(&self, corners: &Corners, direction: [f64; 3]) -> Option<[f64; 2]> {
+    /// nearer than rays can be aimed: further than that only if the ray sees it from the side. An answer at `t` is in question.
+    fn narrow(&self, corners: &Corners, direction: [f64; 3], t: f64) -> Option<[f64; 2]> {
         /// A side at less of an angle to the ray, in radians, is along it.
         const ALONG_IT: f64 = 1e-3;
         /// A depth of less than this, in metres, is told by rays that can be aimed.
@@ -340,9 +340,10 @@ impl<'a> Search<'a> {
         }
         let long = way(from, to);
         let length_flat = square(long).sqrt();
-        if length_flat < ALONG_IT * distance(corners[from], corners[to]) || length_flat == 0.0 {
+        if length_flat == 0.0 {
             return None;
         }
+        let is_along = length_flat < ALONG_IT * distance(corners[from], corners[to]);
         // How far along that side and how far across it a point is, seen from its start.
         let place = |p: Point| {
             let along = (p[0] * long[0] + p[1] * long[1]) / (length_flat * length_flat);
@@ -352,10 +353,15 @@ impl<'a> Search<'a> {
         let (share, off) = place([-flat[from][0], -flat[from][1]]);
         let beyond = (share - share.clamp(0.0, 1.0)).abs() * length_flat;
         if width.abs() > narrow {
-            let near = clipped(&[0, 1, 2].map(|i| (flat[i], dot(corners[i], direction))), narrow)?;
-            return (near[1] - near[0] > STEEP).then_some(near);
+            let seen = [0, 1, 2].map(|i| [flat[i][0], flat[i][1], dot(corners[i], direction)]);
+            let near = depths(&clipped(&seen, [narrow, narrow, f64::INFINITY]))?;
+            // The tip of a long one: of what would do for an answer, all is narrow.
+            let would_do = seen.map(|[x, y, depth]| [x, y, depth - t]);
+            let is_tip = || narrower(&clipped(&would_do, [self.truth.tolerance; 3]), narrow);
+            let is_steep = near[1] - near[0] > STEEP && !is_along;
+            return (is_steep || is_tip()).then_some(near);
         }
-        if off.abs() > narrow || beyond > narrow {
+        if is_along || off.abs() > narrow || beyond > narrow {
             return None;
         }
         let size = length(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
@@ -417,13 +423,12 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The least and largest depth of a triangle, of which each corner is given as seen along the ray and with its depth,
-/// within the square of this half-width around the ray.
-fn clipped(corners: &[(Point, f64)], half: f64) -> Option<[f64; 2]> {
+/// The part of a convex polygon within the box of these half-widths: two across the ray, and the depth along it.
+fn clipped(corners: &[[f64; 3]], half: [f64; 3]) -> Vec<[f64; 3]> {
     let mut polygon = corners.to_vec();
-    for axis in 0..2 {
+    for axis in (0..3).filter(|&axis| half[axis] < f64::INFINITY) {
         for sign in [-1.0, 1.0] {
-            let inside = |p: &(Point, f64)| half - sign * p.0[axis];
+            let inside = |p: &[f64; 3]| half[axis] - sign * p[axis];
             let mut kept = Vec::with_capacity(polygon.len() + 1);
             for (i, a) in polygon.iter().enumerate() {
                 let b = &polygon[(i + 1) % polygon.len()];
@@ -433,16 +438,34 @@ fn clipped(corners: &[(Point, f64)], half: f64) -> Option<[f64; 2]> {
                 }
                 if (from >= 0.0) != (to >= 0.0) {
                     let share = from / (from - to);
-                    let mix = |x: f64, y: f64| x + share * (y - x);
-                    kept.push(([mix(a.0[0], b.0[0]), mix(a.0[1], b.0[1])], mix(a.1, b.1)));
+                    kept.push([0, 1, 2].map(|i| a[i] + share * (b[i] - a[i])));
                 }
             }
             polygon = kept;
         }
     }
-    let range = |[low, high]: [f64; 2], p: &(Point, f64)| [low.min(p.1), high.max(p.1)];
+    polygon
+}
+
+/// The least and largest depth of a polygon; `None` if it has no corners.
+fn depths(polygon: &[[f64; 3]]) -> Option<[f64; 2]> {
+    let range = |[low, high]: [f64; 2], p: &[f64; 3]| [low.min(p[2]), high.max(p[2])];
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     (!polygon.is_empty()).then(|| polygon.iter().fold(none, range))
+}
+
+/// Whether all of a polygon, as the ray sees it, lies within this distance of the line through the two corners that are
+/// farthest apart.
+fn narrower(polygon: &[[f64; 3]], width: f64) -> bool {
+    let way = |from: &[f64; 3], to: &[f64; 3]| [to[0] - from[0], to[1] - from[1]];
+    let square = |v: Point| v[0] * v[0] + v[1] * v[1];
+    let pairs = polygon.iter().flat_map(|from| polygon.iter().map(move |to| (from, way(from, to))));
+    let Some((from, long)) = pairs.max_by(|a, b| square(a.1).total_cmp(&square(b.1))) else { return true };
+    let reach = square(long).sqrt();
+    polygon.iter().all(|p| {
+        let off = way(from, p);
+        (off[0] * long[1] - off[1] * long[0]).abs() <= width * reach
+    })
 }
 
 #[cfg(test)]
@@ -451,11 +474,25 @@ mod tests {
 
     #[test]
     fn depths_near_the_ray() {
-        let steep = [([-1.0, -1.0], 0.0), ([1.0, -1.0], 10.0), ([0.0, 1.0], 5.0)];
-        let [low, high] = clipped(&steep, 0.1).unwrap();
+        let steep = [[-1.0, -1.0, 0.0], [1.0, -1.0, 10.0], [0.0, 1.0, 5.0]];
+        let around = |half: f64| [half, half, f64::INFINITY];
+        let [low, high] = depths(&clipped(&steep, around(0.1))).unwrap();
         assert!((low - 4.5).abs() < 1e-12 && (high - 5.5).abs() < 1e-12, "{low} {high}");
-        assert_eq!(clipped(&steep.map(|(p, depth)| ([p[0] + 3.0, p[1]], depth)), 0.1), None);
+        assert_eq!(depths(&clipped(&steep.map(|[x, y, depth]| [x + 3.0, y, depth]), around(0.1))), None);
         // All of it.
-        assert_eq!(clipped(&steep, 2.0), Some([0.0, 10.0]));
+        assert_eq!(depths(&clipped(&steep, around(2.0))), Some([0.0, 10.0]));
+        assert_eq!(depths(&clipped(&steep, [2.0, 2.0, 3.0])), Some([0.0, 3.0]));
+    }
+
+    #[test]
+    fn tips_are_narrow() {
+        let long = [[0.0, 0.0, 0.0], [1000.0, 0.001, 1e6], [1000.0, -0.001, 1e6]];
+        let seen = |half: f64| clipped(&long, [half, half, f64::INFINITY]);
+        assert!(narrower(&seen(0.001), 1e-8));
+        assert!(!narrower(&seen(0.1), 1e-8));
+        assert!(narrower(&clipped(&long, [0.1, 0.1, 0.1]), 1e-8), "its depth is another tip");
+        let further = long.map(|[x, y, depth]| [x - 9.0, y, depth]);
+        assert!(!narrower(&clipped(&further, [0.001, 0.001, 1e6]), 1e-8));
+        assert!(narrower(&[], 0.0) && narrower(&[[1.0, 2.0, 3.0]], 0.0));
     }
 }
