@@ -4,8 +4,11 @@ use enfilade::lattice::{FINE, Plane, Point};
 use enfilade::partition::cells::NONE;
 
 use crate::points;
-use crate::space::{Finding, Space};
+use crate::space::{Finding, Space, cosine};
 use crate::truth::{Meshes, Random};
+
+/// Points of the plan are rounded by half a unit, a plane's numbers by less: in units, no crossing of planes moves by more.
+const ROUNDED: f64 = 1.0;
 
 /// Rays for each building.
 const RAYS: usize = 12;
@@ -23,11 +26,11 @@ pub fn check(space: &Space<'_>, meshes: &Meshes<'_>, random: &mut Random) -> Vec
         match walk {
             Walk::Lost(text) => find("ray lost", format!("{from:?} {direction:?}: {text}")),
             Walk::Escaped(t) => along(space, meshes, from, direction, t, random, &mut find),
-            Walk::Hit(t) => {
+            Walk::Hit(t, matter) => {
                 along(space, meshes, from, direction, t, random, &mut find);
                 let at = [0, 1, 2].map(|i| from[i] + t * direction[i]);
                 let p = space.partition.lattice.metres(at);
-                let far = meshes.distance_to_solids(p);
+                let far = distance_to_solids(space, meshes, matter, p);
                 if far > meshes.margin {
                     find("hit off", format!("{from:?} {direction:?}: hit {far} m from any solid's surface"));
                 }
@@ -58,8 +61,25 @@ fn along(
     }
 }
 
+/// The distance of a hit on a cell of matter from any solid's surface. Where a steep plane comes down to a level one, their
+/// crossing is rounded to points of the plan, and the matter between may hang down by as much as the steep plane falls over
+/// that: a spike some micrometres thin and some millimetres high, all of which is told from its root.
+fn distance_to_solids(space: &Space<'_>, meshes: &Meshes<'_>, matter: usize, p: [f64; 3]) -> f64 {
+    let cell = space.cell(matter);
+    let fall =
+        [cell.floor, cell.ceiling].map(|plane| (1.0 / cosine(space.plane(plane)).powi(2) - 1.0).sqrt());
+    let spike = fall[0].max(fall[1]) * ROUNDED * space.partition.lattice.step();
+    let steps = (2.0 * spike / meshes.margin).ceil().max(1.0);
+    let heights = (0..=steps as u32).map(|i| spike * (2.0 * f64::from(i) / steps - 1.0));
+    heights
+        .chain([0.0])
+        .map(|up| meshes.distance_to_solids([p[0], p[1], p[2] + up]))
+        .fold(f64::INFINITY, f64::min)
+}
+
 enum Walk {
-    Hit(f64),
+    /// At this distance, on this cell of matter.
+    Hit(f64, usize),
     Escaped(f64),
     Lost(String),
 }
@@ -132,7 +152,7 @@ fn walk(space: &Space<'_>, start: usize, from: [f64; 3], direction: [f64; 3]) ->
             return if at_hull { Walk::Escaped(t) } else { Walk::Lost(format!("left the hull at {at:?}")) };
         }
         if !space.cell(beyond as usize).label.is_air() {
-            return Walk::Hit(t);
+            return Walk::Hit(t, beyond as usize);
         }
         c = beyond as usize;
     }
