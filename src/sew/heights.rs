@@ -38,13 +38,14 @@ impl Heights {
             for (i, (&here, &from)) in corners.iter().zip(&rises).enumerate() {
                 let next = (i + 1) % corners.len();
                 let (there, to) = (corners[next], rises[next]);
-                let share =
-                    if (from < 0) == (to < 0) { 0.0 } else { from as f64 / (from as f64 - to as f64) };
+                // The corner itself, if it lies on both planes.
+                let crosses = (from < 0) != (to < 0);
+                let share = if crosses { from as f64 / (from as f64 - to as f64) } else { 0.0 };
                 let at =
                     |start: i32, end: i32| f64::from(start) + share * (f64::from(end) - f64::from(start));
                 let crossing = [at(here.x, there.x), at(here.y, there.y)];
                 let corner = [f64::from(here.x), f64::from(here.y)];
-                let ends = [(from < 0).then_some(corner), (share > 0.0).then_some(crossing)];
+                let ends = [(from < 0).then_some(corner), crosses.then_some(crossing)];
                 for point in ends.into_iter().flatten() {
                     for axis in 0..2 {
                         bounds[0][axis] = bounds[0][axis].min(point[axis] - 1.0);

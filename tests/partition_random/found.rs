@@ -1,11 +1,12 @@
 //! Random buildings of which something was not right once, made as small as they would go.
 
 use enfilade::importers::Semantic::{self, Door, Room, Stairwell, Wall};
+use enfilade::sew::sew;
 
 use crate::building::{Building, Defect, Piece, Relation};
-use crate::findings;
 use crate::solids::Shape;
 use crate::space::Finding;
+use crate::{findings, made};
 
 /// Half a lattice unit.
 const HALF_UNIT: f64 = 0.5 / 65536.0;
@@ -127,4 +128,30 @@ fn steep_faces_hang_by_what_their_foot_is_rounded() {
         ],
         4796201764628529387,
     );
+}
+
+/// A cell without height from a corner on that lies on both of its planes: the corner was not taken for an end of that part, and its
+/// floor and its ceiling were left apart at a place between.
+#[test]
+fn parts_without_height_may_start_at_corners() {
+    let wedge = piece(Wall, Shape::Wedge, [4.845013442432301, 1.8, 2.9578124347510304]);
+    let building = Building {
+        pieces: vec![
+            Piece {
+                at: [1.4813775744962714, 0.25, 0.0],
+                turn: [0.0, 27.3591248052402],
+                ..piece(Wall, Shape::Box, [4.674000610809422, 2.5, 0.25])
+            },
+            Piece { at: [0.0, 0.0, 4.75], ..piece(Wall, Shape::Box, [0.25, 0.1, 0.25]) },
+            Piece {
+                at: [0.0, 2.5, 2.9000000000000004],
+                turn: [0.0, 45.0],
+                relation: Relation::Coplanar(7.0 * HALF_UNIT, 0.0),
+                ..wedge
+            },
+        ],
+        scale: 1.0,
+        at: [0.0; 3],
+    };
+    assert!(sew(&made(&building.model(false))).is_ok());
 }
