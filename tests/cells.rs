@@ -55,7 +55,7 @@ fn random_made(style: &Style, seed: u64) -> Made {
 }
 
 fn compiled(made: &Made) -> Scene {
-    compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap().scene()
+    compile_partition(&made.model, made.partition.clone(), &CompileOptions::default()).unwrap().scene()
 }
 
 fn whole(made: &Made) -> Scene {
@@ -284,7 +284,9 @@ fn the_same_bytes_at_any_number_of_threads() {
     let made = random_made(&EXACT[4].1, 1);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap())
+        pool.install(|| {
+            compile_partition(&made.model, made.partition.clone(), &CompileOptions::default()).unwrap()
+        })
     };
     let (one, two) = (on(1), on(2));
     assert!(one.bytes == two.bytes);
@@ -298,7 +300,7 @@ fn partitions_that_contradict_themselves_are_refused() {
     let refused = |change: &dyn Fn(&mut Partition)| {
         let mut partition = made.partition.clone();
         change(&mut partition);
-        match compile_partition(&made.model, &partition, &CompileOptions::default()) {
+        match compile_partition(&made.model, partition, &CompileOptions::default()) {
             Err(CompileError::Partition(what)) => what,
             other => panic!("{:?}", other.map(|_| ())),
         }
@@ -323,7 +325,8 @@ fn partitions_that_contradict_themselves_are_refused() {
 #[test]
 fn damaged_cells_are_refused_or_harmless() {
     let made = random_made(&Style { cuts: [2, 2, 2], furniture: 20, ..EXACT[5].1 }, 3);
-    let file = compile_partition(&made.model, &made.partition, &CompileOptions::default()).unwrap().bytes;
+    let file =
+        compile_partition(&made.model, made.partition.clone(), &CompileOptions::default()).unwrap().bytes;
     let names = [
         "scene",
         "cells",

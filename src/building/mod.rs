@@ -118,11 +118,9 @@ impl Building {
     /// The building that a model is, its space being cut by `partition`.
     ///
     /// # Errors
-    /// [`TopologyError`]: the cells' surfaces are not closed.
-    ///
-    /// # Panics
-    /// If `partition` is not one of `model`.
+    /// [`TopologyError`]: `partition` is not one of `model` ([`Partition::check`]), or its cells' surfaces are not closed.
     pub fn new(model: &Model, partition: &Partition) -> Result<Building, TopologyError> {
+        partition.check(model).map_err(TopologyError::Partition)?;
         let topology = sew(partition)?;
         let mut darts = vec![None; partition.cells.len()];
         for (face, beyond) in topology.faces.iter().map(|face| (face, topology.map.alpha(3, face.dart))) {

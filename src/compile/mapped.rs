@@ -7,6 +7,7 @@ use enfilade_importers::{Budget, Model};
 use super::{CompileError, CompileOptions, Stage};
 use crate::building::Building;
 use crate::partition::cells::Partition;
+use crate::validate::{Report, Validated, validate};
 
 /// Bytes of the map for each part of a cell's surface that the partition knows: some ten darts, with all that is kept of each
 /// while the map is made.
@@ -22,21 +23,39 @@ pub(super) fn building(
     let start = Instant::now();
     let parts = (partition.faces.len() + partition.covers.len()) as u64;
     Budget::new(&options.limits).take_items(parts, BYTES_A_PART, "the map of the building")?;
-    let building = Building::new(model, &partition)
-        .map_err(|error| CompileError::Partition(format!("its cells have no map: {error}")))?;
+    let building =
+        Building::new(model, &partition).map_err(|error| CompileError::Partition(error.to_string()))?;
     let stage = Stage { name: "map", seconds: start.elapsed().as_secs_f64() };
     options.watch.report(stage.name, 1.0);
     Ok((building, stage))
 }
 
+/// The building, if a scene can be made of it, and all that is not as it should be.
+pub(super) fn valid(
+    building: Building,
+    options: &CompileOptions,
+) -> Result<(Validated<Building>, Report, Stage), CompileError> {
+    options.watch.check()?;
+    let start = Instant::now();
+    let (valid, report) = validate(building);
+    let stage = Stage { name: "validation", seconds: start.elapsed().as_secs_f64() };
+    options.watch.report(stage.name, 1.0);
+    let Some(valid) = valid else {
+        let first = report.findings.first();
+        let what = first.map_or(String::new(), |first| format!("{}: {}", first.code.name(), first.text));
+        return Err(CompileError::Partition(what));
+    };
+    Ok((valid, report, stage))
+}
+
 /// The cells of a building.
 pub(super) fn cells(
-    building: &Building,
+    building: &Validated<Building>,
     options: &CompileOptions,
 ) -> Result<(Partition, Stage), CompileError> {
     options.watch.check()?;
     let start = Instant::now();
-    let cells = building.cells().map_err(|error| CompileError::Partition(error.to_string()))?;
+    let cells = building.get().cells().map_err(|error| CompileError::Partition(error.to_string()))?;
     let stage = Stage { name: "cells of the map", seconds: start.elapsed().as_secs_f64() };
     options.watch.report(stage.name, 1.0);
     Ok((cells, stage))

@@ -30,6 +30,7 @@ use crate::partition::cells::Partition;
 use crate::partition::{PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
 use crate::trace::NONE;
+use crate::validate::Validated;
 
 pub use report::{Count, Repair, Report, RoleCount, Stage};
 
@@ -113,14 +114,14 @@ const MARGIN: f64 = 1.0;
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
     if !options.cells {
-        return compile_partition(model, &Partition::whole(), options);
+        return compile_tables(model, &Partition::whole(), options);
     }
     let how = PartitionOptions::default()
         .with_untagged(options.untagged)
         .with_limits(options.limits)
         .with_watch(options.watch.clone());
     let failed = match partition(model, &how) {
-        Ok((partition, partitioned)) => match compile_cells(model, partition, options) {
+        Ok((partition, partitioned)) => match compile_partition(model, partition, options) {
             Ok(mut compiled) => {
                 compiled.report.add_partition(&partitioned, &model.frame);
                 return Ok(compiled);
@@ -132,47 +133,49 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
         Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(failed) => failed.to_string(),
     };
-    let mut compiled = compile_partition(model, &Partition::whole(), options)?;
+    let mut compiled = compile_tables(model, &Partition::whole(), options)?;
     compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
     Ok(compiled)
 }
 
-/// Compiles `model` by the map of its cells.
-fn compile_cells(
+/// Compiles `model`, its space being cut into cells by `partition`: they are sewn to a building, which is validated and then
+/// compiled ([`compile_building`]).
+///
+/// # Errors
+/// [`CompileError`]; [`CompileError::Partition`] for a partition of another model, for one whose cells do not fill its hull
+/// or do not agree about their neighbours, for what is not valid.
+pub fn compile_partition(
     model: &Model,
     partition: Partition,
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
     let (building, map) = mapped::building(model, partition, options)?;
-    let mut compiled = compile_building(model, building, options)?;
-    compiled.report.stages.insert(0, map);
+    let (valid, report, validation) = mapped::valid(building, options)?;
+    let mut compiled = compile_building(model, valid, options)?;
+    compiled.report.stages.splice(0..0, [map, validation]);
+    compiled.report.add_findings(&report);
     Ok(compiled)
 }
 
-/// Compiles `model`, whose map is `building`: cells, and what lies beyond each part of their surfaces, are read off it. The map
-/// is not kept.
+/// Compiles `model`, whose map is `building`: cells, and what lies beyond each part of their surfaces, are read off it. The
+/// triangles that rays can meet are those of its sources and its detail. The map is not kept.
 ///
 /// # Errors
-/// [`CompileError`]; [`CompileError::Partition`] for the map of another model, or one that is none of convex prisms.
+/// [`CompileError`]; [`CompileError::Partition`] for the map of another model.
 pub fn compile_building(
     model: &Model,
-    building: Building,
+    building: Validated<Building>,
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
     let (cells, stage) = mapped::cells(&building, options)?;
     drop(building);
-    let mut compiled = compile_partition(model, &cells, options)?;
+    let mut compiled = compile_tables(model, &cells, options)?;
     compiled.report.stages.insert(0, stage);
     Ok(compiled)
 }
 
-/// Compiles `model`, its space being cut into cells by `partition`. The triangles that rays can meet are those of the
-/// partition's sources and its detail; if it has no cells, all.
-///
-/// # Errors
-/// [`CompileError`]; [`CompileError::Partition`] for a partition of another model, or one with wrong indices or with cells
-/// that are no convex prisms. That its cells fill its hull, and that they agree about their neighbours, is not checked.
-pub fn compile_partition(
+/// Compiles the cells of a partition; if it has none, everything is detail.
+fn compile_tables(
     model: &Model,
     partition: &Partition,
     options: &CompileOptions,
@@ -180,7 +183,7 @@ pub fn compile_partition(
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
         return Err(CompileError::Tolerance(options.tolerance));
     }
-    prisms::check_frame(partition).map_err(CompileError::Partition)?;
+    partition.check_frame().map_err(CompileError::Partition)?;
     let zone = prisms::zone(partition);
     let mut run = Run { options, budget: Budget::new(&options.limits), stages: Vec::new() };
     let count = model.triangle_count();

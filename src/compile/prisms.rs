@@ -7,7 +7,7 @@ use crate::format::Tables;
 use crate::format::records::{
     CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
 };
-use crate::lattice::{FINE, LARGEST, Lattice, Plane};
+use crate::lattice::{FINE, LARGEST};
 use crate::partition::cells::{Cell, Cover, Label, NONE, Partition};
 
 /// The zone of a partition's cells, metres along the lattice's axes from its origin; `None` if it has no cells.
@@ -195,31 +195,4 @@ impl Run<'_> {
             Label::Void => (CellRecord::AIR, Semantic::Void, NONE),
         })
     }
-}
-
-/// Checks what all coordinates hang on.
-///
-/// # Errors
-/// If the partition's lattice is none, its hull no box on it, or a plane too steep.
-pub(super) fn check_frame(partition: &Partition) -> Result<(), String> {
-    let lattice = &partition.lattice;
-    let is_lattice = (Lattice::COARSEST..=Lattice::FINEST).contains(&lattice.bits)
-        && (lattice.turn[0].hypot(lattice.turn[1]) - 1.0).abs() <= 1e-12
-        && lattice.origin.iter().all(|c| c.is_finite() && c.fract() == 0.0);
-    if !is_lattice {
-        return Err("its lattice is none".to_owned());
-    }
-    let [lo, hi] = partition.hull;
-    let on_lattice = |c: &i32| c.unsigned_abs() <= LARGEST as u32;
-    let steepest = Plane::STEEPEST as u64 * FINE as u64;
-    let fits = |plane: &Plane| {
-        plane.p.unsigned_abs() <= steepest
-            && plane.q.unsigned_abs() <= steepest
-            && plane.r.unsigned_abs() <= 1 << 61
-    };
-    if let Some(index) = partition.planes.iter().position(|plane| !fits(plane)) {
-        return Err(format!("plane {index} is too steep, or too far"));
-    }
-    let is_box = lo.iter().chain(&hi).all(on_lattice) && (0..3).all(|axis| lo[axis] < hi[axis]);
-    if is_box || partition.cells.is_empty() { Ok(()) } else { Err("its hull is no box".to_owned()) }
 }

@@ -58,6 +58,8 @@ pub struct Report {
     pub hierarchy_depth: u32,
     /// How the space was cut into cells, places in the source's own frame; `None` if it is one cell.
     pub partition: Option<PartitionReport>,
+    /// What validation found, by code; `enfilade validate` tells where.
+    pub findings: BTreeMap<&'static str, u64>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Time of each stage.
@@ -98,6 +100,13 @@ pub struct Stage {
 }
 
 impl Report {
+    /// Counts what validation has found.
+    pub(super) fn add_findings(&mut self, found: &crate::validate::Report) {
+        for finding in &found.findings {
+            *self.findings.entry(finding.code.name()).or_default() += 1;
+        }
+    }
+
     /// Adds what cutting the space into cells has done.
     pub(super) fn add_partition(&mut self, partition: &PartitionReport, frame: &Frame) {
         let stages = partition.stages.iter().map(|&(name, seconds)| Stage { name, seconds });
@@ -195,6 +204,7 @@ pub(super) fn make(
         }],
         hierarchy_depth: counted.depth,
         partition: None,
+        findings: BTreeMap::new(),
         warnings: crate::inspect::warnings(model),
         stages: Vec::new(),
         bytes: 0,

@@ -11,6 +11,7 @@ pub mod audit;
 mod bodies;
 mod boxes;
 pub mod cells;
+mod check;
 mod columns;
 pub mod convex;
 mod crossings;
@@ -56,6 +57,7 @@ use stacks::Joined;
 use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
+pub(crate) use check::check_frame;
 pub use moved::Repair;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 

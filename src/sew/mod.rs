@@ -93,9 +93,12 @@ pub struct Topology {
 }
 
 /// What does not fit.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TopologyError {
+    /// The partition is none of the model.
+    #[error("{0}")]
+    Partition(String),
     /// An edge of a cell does not have two faces.
     #[error("cell {cell}: the edge from {from:?} to {to:?} (lattice units) has {faces} faces")]
     Edge {
