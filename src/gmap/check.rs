@@ -185,6 +185,31 @@ impl GMap {
         }
     }
 
+    /// The shapes of all volumes, each with its lowest dart: in time by the size of the map.
+    pub fn shapes(&self) -> Vec<(Dart, Shape)> {
+        let volumes = self.index(Orbit::Volume);
+        let whole = Shape { vertices: 0, edges: 0, faces: 0, is_closed: true, is_orientable: true };
+        let mut shapes: Vec<(Dart, Shape)> = volumes.darts().iter().map(|&dart| (dart, whole)).collect();
+        let counts: [(Orbit, fn(&mut Shape) -> &mut usize); 3] = [
+            (Orbit::VertexOfVolume, |shape| &mut shape.vertices),
+            (Orbit::EdgeOfVolume, |shape| &mut shape.edges),
+            (Orbit::HalfFace, |shape| &mut shape.faces),
+        ];
+        for (orbit, count) in counts {
+            for &dart in self.index(orbit).darts() {
+                *count(&mut shapes[volumes.of(dart) as usize].1) += 1;
+            }
+        }
+        for dart in self.darts() {
+            shapes[volumes.of(dart) as usize].1.is_closed &= (0..3).all(|i| !self.is_free(i, dart));
+        }
+        let (mut even, mut odd) = (Marks::new(self), Marks::new(self));
+        for (dart, shape) in &mut shapes {
+            shape.is_orientable = self.colour(Orbit::Volume, *dart, &mut even, &mut odd);
+        }
+        shapes
+    }
+
     /// Vertices less edges plus faces less volumes of the whole map.
     pub fn euler(&self) -> i64 {
         let count = Orbit::CELLS.map(|orbit| self.count(orbit) as i64);

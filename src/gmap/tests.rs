@@ -368,6 +368,8 @@ proptest! {
                 prop_assert!(map == before, "{:?} was refused and changed the map", step);
             }
             prop_assert_eq!(map.check(), Ok(()), "after {:?}", step);
+            let alone: Vec<_> = map.index(Orbit::Volume).darts().iter().map(|&d| (d, map.shape(d))).collect();
+            prop_assert_eq!(map.shapes(), alone);
             prop_assert_eq!(map.darts().count(), map.len());
         }
     }

@@ -38,16 +38,15 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
         // What follows walks along alphas.
         return findings;
     }
-    let volumes = map.index(Orbit::Volume);
-    if volumes.len() != building.volumes.len() {
-        let text = format!("{} volumes in the map, {} known", volumes.len(), building.volumes.len());
+    let shapes = map.shapes();
+    if shapes.len() != building.volumes.len() {
+        let text = format!("{} volumes in the map, {} known", shapes.len(), building.volumes.len());
         findings.extend(map.darts().next().map(|dart| finding(Code::T05, dart, text)));
     }
-    let no_balls = volumes.darts().iter().filter(|dart| !map.shape(**dart).is_ball());
-    findings.extend(no_balls.take(MOST).map(|&dart| {
-        let shape = map.shape(dart);
-        finding(Code::T04, dart, format!("{dart}: {shape:?}"))
-    }));
+    let no_balls = shapes.iter().filter(|(_, shape)| !shape.is_ball());
+    let told =
+        no_balls.take(MOST).map(|(dart, shape)| finding(Code::T04, *dart, format!("{dart}: {shape:?}")));
+    findings.extend(told);
     if let Some(dart) = map.darts().next() {
         if map.count(Orbit::Component) != 1 {
             findings.push(finding(Code::T05, dart, "it has several components".to_owned()));

@@ -155,3 +155,22 @@ fn parts_without_height_may_start_at_corners() {
     };
     assert!(sew(&made(&building.model(false))).is_ok());
 }
+
+/// The ends of a beam that leans by 45 degrees rise by nearly a millimetre and are level: by their corners its sides are cut at a slab's
+/// level 0.76 mm from where their planes are.
+#[test]
+fn sides_are_cut_by_corners_that_have_moved() {
+    let wall = |size| piece(Wall, Shape::Box, size);
+    let beam = piece(Wall, Shape::L, [0.25, 0.23374990556477582, 4.0]);
+    let pieces = vec![
+        Piece { at: [0.0, 0.0, 2.8026924730040683], turn: [0.0, 45.0], ..beam },
+        Piece { at: [0.0, 0.0, 4.25], ..piece(Wall, Shape::Steep(0.0001), [1.5, 1.75, 0.7000000000000001]) },
+        cube(),
+        beside(wall([0.25, 0.5, 0.25]), Relation::Gap(HALF_UNIT), 1, 1),
+        Piece { at: [0.0, 0.0, 3.5376479993978225], ..wall([0.1, 0.25, 4.20264045075232]) },
+        beside(piece(Wall, Shape::L, [0.25; 3]), Relation::Overlap, 0, 0),
+    ];
+    let building = Building { pieces, scale: 0.02, at: [0.0; 3] };
+    let found = findings(&building, 0);
+    assert!(found.is_empty(), "{}", found.iter().map(Finding::to_string).collect::<String>());
+}

@@ -57,10 +57,10 @@ fn heights(space: &Space<'_>, narrow: f64, find: Find<'_>) {
 }
 
 /// Units, across the steeper of both planes, by which a ceiling may lie below the floor. Points of the plan are rounded, so
-/// that two planes that meet over an edge meet up to a unit beside it; and what rises by up to a millimetre is level, at
-/// the middle of its height.
+/// that two planes that meet over an edge meet up to a unit beside it; and what rises by up to a millimetre is level, so that
+/// a corner of it is moved by up to as much, and the edges with it along which sloped faces end at it, and are cut at a slab's level.
 pub fn most_inverted(space: &Space<'_>) -> f64 {
-    2.0 + space.partition.lattice.steps(0.5e-3)
+    2.0 + space.partition.lattice.steps(1e-3)
 }
 
 /// Units: what is no wider than this is rounding. Two lines that were one have come apart by no more, where points are
