@@ -219,3 +219,34 @@ fn starts_on_long_slivers() {
     assert!(judged.verdict.is_right(), "{judged:?}");
     check(&model, 3000);
 }
+
+/// A wall whose back leans by hardly more than what counts as upright: as steep as a plane gets. Its cells can be opened.
+#[test]
+fn walls_that_hardly_lean_have_cells() {
+    for (height, lean) in [(2.5, 0.00205), (2.5, 0.01), (8.0, 0.00205)] {
+        let hexahedron = |x: [f64; 2], tops: [f64; 2]| {
+            let mut text = String::new();
+            for (y, x) in [(0.0, x), (height, tops)] {
+                for [x, z] in [[x[0], 0.0], [x[1], 0.0], [x[1], 3.0], [x[0], 3.0]] {
+                    text += &format!("v {x} {y} {z}\n");
+                }
+            }
+            let faces = ["1 2 3 4", "5 8 7 6", "1 5 6 2", "2 6 7 3", "3 7 8 4", "4 8 5 1"];
+            (text, faces.map(|face| face.split(' ').map(|v| v.parse().unwrap()).collect::<Vec<i32>>()))
+        };
+        let mut text = String::new();
+        for (name, x, tops) in [("ROOM_1", [0.0, 4.0], [0.0, 4.0]), ("WALL_1", [4.0, 4.3], [4.0, 4.3 + lean])]
+        {
+            let (vertices, faces) = hexahedron(x, tops);
+            text += &format!("o {name}\n{vertices}");
+            for face in faces {
+                text += &format!("f {} {} {} {}\n", face[0] - 9, face[1] - 9, face[2] - 9, face[3] - 9);
+            }
+        }
+        let model = read(&text);
+        let compiled = compile(&model, &CompileOptions::default()).unwrap();
+        assert_eq!(compiled.report.warnings, [""; 0]);
+        assert!(compiled.report.cells > 5, "{}", compiled.report.cells);
+        check(&model, 3000);
+    }
+}

@@ -11,7 +11,11 @@ use crate::trace::NONE;
 const LARGEST: f64 = (1 << 24) as f64;
 
 /// No plane is steeper along either axis.
-const STEEPEST: f64 = 1024.0;
+const STEEPEST: f64 = 4096.0;
+
+// What the compiler makes can be opened.
+#[cfg(feature = "compile")]
+const _: () = assert!(crate::lattice::Plane::STEEPEST <= STEEPEST);
 
 /// Checks cells and all that they are made of. Sides, faces, covers and triangles of sources each belong to one owner, in
 /// the order of their owners: so what a ray looks at is no more than the file holds.

@@ -22,6 +22,7 @@ use enfilade::lattice::FINE;
 use enfilade::partition::cells::{Label, NONE, Partition};
 use enfilade::partition::{PartitionOptions, partition};
 use enfilade::sew::{Topology, sew};
+use enfilade::{CompileOptions, Scene, compile};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -95,6 +96,13 @@ proptest! {
         let of_hull: usize = hull.map(|face| 2 * map.around_face(face.dart).count()).sum();
         let free: [usize; 4] = [0, 1, 2, 3].map(|i| map.free(i).count());
         prop_assert_eq!(free, [0, 0, 0, of_hull]);
+    }
+
+    #[test]
+    fn no_scene_is_without_cells(building in buildings()) {
+        let compiled = compile(&building.model(false), &CompileOptions::default()).unwrap();
+        prop_assert!(compiled.report.warnings.is_empty(), "{:?}", compiled.report.warnings);
+        prop_assert!(Scene::from_bytes(&compiled.bytes).is_ok());
     }
 
     #[test]
