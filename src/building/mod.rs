@@ -9,6 +9,7 @@ mod kind;
 mod looks;
 mod portals;
 mod queries;
+mod stored;
 #[cfg(test)]
 mod tests;
 mod way;
@@ -151,7 +152,7 @@ impl Building {
             name: element.name.clone(),
             path: element.path.clone(),
             semantic: element.semantic,
-            storey: element.storey.clone(),
+            storey: element.storey.clone().filter(|storey| !storey.is_empty()),
             host: find(&element.host),
             filling: find(&element.filling),
         });

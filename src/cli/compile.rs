@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use enfilade::compile;
 use enfilade::compile::Report;
 use serde::Serialize;
 
@@ -23,6 +24,9 @@ pub struct Arguments {
     /// The scene to write.
     #[arg(short, long, value_name = "OUT.enf")]
     output: PathBuf,
+    /// Keep the map of the building in the scene, for `validate`.
+    #[arg(long, conflicts_with = "no_cells")]
+    topology: bool,
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
@@ -45,7 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let start = Instant::now();
         let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
         let imported = start.elapsed();
-        let compiled = arguments.reading.compile(&model, &arguments.resources)?;
+        let mut options = arguments.reading.compile_options(&arguments.resources);
+        options.topology = arguments.topology;
+        let compiled = compile(&model, &options)
+            .map_err(|error| Failure::input(format!("{}: {error}", model.source)))?;
         Ok((compiled, imported.as_secs_f64(), (start.elapsed() - imported).as_secs_f64()))
     })??;
     output::write(Some(&arguments.output), |out| out.write_all(&compiled.bytes))?;
@@ -80,6 +87,10 @@ fn write_text(out: &mut String, timed: &Timed<'_>, path: &str) -> std::fmt::Resu
     }
     for row in &r.left_out {
         writeln!(out, "left out: {} {}", row.count, row.what)?;
+    }
+    if !r.findings.is_empty() {
+        let counts: Vec<String> = r.findings.iter().map(|(code, count)| format!("{count} {code}")).collect();
+        writeln!(out, "validation: {} (enfilade validate tells where)", counts.join(", "))?;
     }
     for repair in r.repairs.iter().filter(|repair| repair.count > 0) {
         writeln!(

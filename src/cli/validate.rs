@@ -4,26 +4,28 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use enfilade::Scene;
 use enfilade::building::Building;
+use enfilade::importers::Frame;
 use enfilade::partition::partition;
 use enfilade::validate::{Code, Report, examine};
 use serde::Serialize;
 
 use super::failure::{Failure, Outcome};
-use super::input::{Reading, Resources};
+use super::input::{Reading, Resources, is_scene};
 use super::output;
 
-/// Check a building: that its map is one, that its volumes are convex and fill the space around it, and that its rooms, doors and
-/// windows are where such things can be: openings that join nothing, rooms that leak into the open, without a floor, without a way out.
+/// Check a building: openings that join nothing, rooms that leak, without a floor or a way out; and its map.
 ///
-/// Ends with exit code 1 on any finding. docs/VALIDATION.md tells what each code means.
+/// A model, or a scene that was compiled with `--topology`: both give the same. Ends with exit code 1 on any finding.
+/// docs/VALIDATION.md tells what each code means.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade validate house.glb\n  enfilade validate house.glb --ignore S03 --ignore S04\n  enfilade validate house.glb --json"
+    after_help = "Examples:\n  enfilade validate house.glb\n  enfilade validate house.glb --ignore S03 --ignore S04\n  enfilade validate house.glb --json\n  enfilade compile house.glb --topology -o house.enf && enfilade validate house.enf"
 )]
 pub struct Arguments {
-    /// The model: .glb, .gltf or .obj.
-    model: PathBuf,
+    /// The model: .glb, .gltf or .obj; or a scene with its map: .enf.
+    input: PathBuf,
     /// Do not report this code; may be given more than once.
     #[arg(long, value_name = "CODE", value_parser = code)]
     ignore: Vec<Code>,
@@ -46,7 +48,7 @@ fn code(name: &str) -> Result<Code, String> {
 #[derive(Serialize)]
 struct Told<'a> {
     version: &'static str,
-    model: String,
+    source: String,
     volumes: usize,
     faces: usize,
     darts: usize,
@@ -57,19 +59,15 @@ struct Told<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let (building, report) = arguments.resources.in_pool(|| {
-        let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
-        let failed = |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", model.source));
-        let options = arguments.reading.partition_options(&arguments.resources);
-        let (cells, _) = partition(&model, &options).map_err(|error| failed(&error))?;
-        let building = Building::new(&model, &cells).map_err(|error| failed(&error))?;
-        let report = examine(&building).without(&arguments.ignore).to_source(&model.frame);
-        Ok::<_, Failure>((building, report))
+    let (source, building, report) = arguments.resources.in_pool(|| {
+        let (source, building, frame) = building(arguments)?;
+        let report = examine(&building).without(&arguments.ignore).to_source(&frame);
+        Ok::<_, Failure>((source, building, report))
     })??;
     if arguments.json {
         output::print_json(&Told {
             version: env!("CARGO_PKG_VERSION"),
-            model: arguments.model.display().to_string(),
+            source,
             volumes: building.volumes.len(),
             faces: building.faces.len(),
             darts: building.topology.map.len(),
@@ -81,6 +79,28 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         output::print(&text(&building, &report))?;
     }
     Ok(if report.findings.is_empty() { Outcome::Fine } else { Outcome::Findings })
+}
+
+/// The building of a model, or of a scene, with the name of the source and its frame.
+fn building(arguments: &Arguments) -> Result<(String, Building, Frame), Failure> {
+    let path = &arguments.input;
+    if is_scene(path) {
+        let scene = Scene::open(path).map_err(Failure::input)?;
+        let building = scene.building().ok_or_else(|| {
+            let without =
+                "the scene was compiled without its map: compile it with --topology, or validate the model";
+            Failure::input(format!("{}: {without}", path.display()))
+        })?;
+        let provenance: serde_json::Value = serde_json::from_str(scene.provenance()).unwrap_or_default();
+        let source = provenance["source"].as_str().unwrap_or_default().to_owned();
+        return Ok((source, building, scene.frame()));
+    }
+    let model = arguments.reading.model(path, &arguments.resources)?;
+    let failed = |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", model.source));
+    let options = arguments.reading.partition_options(&arguments.resources);
+    let (cells, _) = partition(&model, &options).map_err(|error| failed(&error))?;
+    let building = Building::new(&model, &cells).map_err(|error| failed(&error))?;
+    Ok((model.source.clone(), building, model.frame))
 }
 
 fn text(building: &Building, report: &Report) -> String {

@@ -6,6 +6,8 @@ use enfilade_importers::{Budget, Model};
 
 use super::{CompileError, CompileOptions, Stage};
 use crate::building::Building;
+use crate::format::MapTables;
+use crate::format::map::{DartRecord, MapFaceRecord};
 use crate::partition::cells::Partition;
 use crate::validate::{Report, Validated, validate};
 
@@ -46,6 +48,20 @@ pub(super) fn valid(
         return Err(CompileError::Partition(what));
     };
     Ok((valid, report, stage))
+}
+
+/// The map of a building as sections of a file.
+pub(super) fn stored(
+    building: &Validated<Building>,
+    options: &CompileOptions,
+) -> Result<MapTables, CompileError> {
+    let building = building.get();
+    let mut budget = Budget::new(&options.limits);
+    let darts = building.topology.map.table_len() as u64;
+    budget.take_items(darts, 2 * size_of::<DartRecord>(), "the stored map of the building")?;
+    let faces = building.faces.len() as u64;
+    budget.take_items(faces, 2 * size_of::<MapFaceRecord>(), "the stored map of the building")?;
+    Ok(building.to_tables())
 }
 
 /// The cells of a building.

@@ -21,11 +21,11 @@ use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget
 
 use self::geometry::Gathered;
 use crate::building::Building;
-use crate::format::Tables;
 use crate::format::records::{
     BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
     TriangleRecord, VolumeRecord,
 };
+use crate::format::{MapTables, Tables};
 use crate::partition::cells::Partition;
 use crate::partition::{PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
@@ -44,6 +44,9 @@ pub struct CompileOptions {
     pub untagged: Untagged,
     /// Whether to cut the space into cells (default), or to leave it one cell with all triangles. Both give right answers.
     pub cells: bool,
+    /// Whether the file keeps the map of the building ([`Scene::building`]), so that it can be validated without the model.
+    /// Default no: rays do not need it. Without cells there is none.
+    pub topology: bool,
     /// What the compilation may cost, beside the model itself.
     pub limits: Limits,
     /// Progress and cancellation.
@@ -56,6 +59,7 @@ impl Default for CompileOptions {
             tolerance: 1e-3,
             untagged: Untagged::default(),
             cells: true,
+            topology: false,
             limits: Limits::default(),
             watch: Watch::default(),
         }
@@ -114,7 +118,7 @@ const MARGIN: f64 = 1.0;
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
     if !options.cells {
-        return compile_tables(model, &Partition::whole(), options);
+        return compile_tables(model, &Partition::whole(), None, options);
     }
     let how = PartitionOptions::default()
         .with_untagged(options.untagged)
@@ -133,7 +137,7 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
         Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(failed) => failed.to_string(),
     };
-    let mut compiled = compile_tables(model, &Partition::whole(), options)?;
+    let mut compiled = compile_tables(model, &Partition::whole(), None, options)?;
     compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
     Ok(compiled)
 }
@@ -158,7 +162,7 @@ pub fn compile_partition(
 }
 
 /// Compiles `model`, whose map is `building`: cells, and what lies beyond each part of their surfaces, are read off it. The
-/// triangles that rays can meet are those of its sources and its detail. The map is not kept.
+/// triangles that rays can meet are those of its sources and its detail.
 ///
 /// # Errors
 /// [`CompileError`]; [`CompileError::Partition`] for the map of another model.
@@ -168,8 +172,9 @@ pub fn compile_building(
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
     let (cells, stage) = mapped::cells(&building, options)?;
+    let map = options.topology.then(|| mapped::stored(&building, options)).transpose()?;
     drop(building);
-    let mut compiled = compile_tables(model, &cells, options)?;
+    let mut compiled = compile_tables(model, &cells, map, options)?;
     compiled.report.stages.insert(0, stage);
     Ok(compiled)
 }
@@ -178,6 +183,7 @@ pub fn compile_building(
 fn compile_tables(
     model: &Model,
     partition: &Partition,
+    map: Option<MapTables>,
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
@@ -198,7 +204,7 @@ fn compile_tables(
     )?;
 
     let parts = run.stage("components", || geometry::split(model, options.untagged))?;
-    let mut tables = Tables::default();
+    let mut tables = Tables { map, ..Tables::default() };
     let mut gathered = run.stage("geometry", || geometry::gather(model, &parts, &mut tables))?;
     run.stage("building", || building::add(model, &parts, &mut tables))?;
 

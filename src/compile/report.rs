@@ -179,6 +179,7 @@ pub(super) fn make(
         options: BTreeMap::from([
             ("cells", options.cells.to_string()),
             ("tolerance", format!("{}", options.tolerance)),
+            ("topology", options.topology.to_string()),
             ("untagged", untagged),
         ]),
         unit: scene.unit,

@@ -3,6 +3,7 @@
 
 mod atomic;
 mod container;
+pub mod map;
 mod prisms;
 pub mod records;
 mod storage;
@@ -11,9 +12,9 @@ mod tables;
 pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
 pub(crate) use storage::Storage;
-pub use tables::Tables;
 pub(crate) use tables::Views;
 pub(crate) use tables::{MAX_DEPTH, WHOLE_BIT};
+pub use tables::{MapTables, Tables};
 
 /// The bytes are no compiled scene that this version can use.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -8,6 +8,7 @@ use enfilade_importers::{Role, Semantic};
 
 use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
+use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
     BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
     LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
@@ -26,36 +27,58 @@ const MOST_BITS: u32 = 24;
 const FARTHEST: f64 = 1e13;
 
 macro_rules! sections {
-    ($($(#[$doc:meta])* $field:ident: $item:ty;)*) => {
-        /// The tables of a scene that is being compiled.
+    (
+        $(#[$about:meta])* $tables:ident, $(#[$in_place:meta])* $views:ident, required: $required:literal
+        $(, also $also:ident: $more:ident, $more_views:ident)?;
+        $($(#[$doc:meta])* $field:ident: $item:ty;)*
+    ) => {
+        $(#[$about])*
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct Tables { $($(#[$doc])* pub $field: Vec<$item>,)* }
+        pub struct $tables {
+            $($(#[$doc])* pub $field: Vec<$item>,)*
+            $(/// Optional sections, all or none.
+            pub $also: Option<$more>,)?
+        }
 
-        /// The tables of an opened scene, in place.
-        pub(crate) struct Views { $(pub $field: View<$item>,)* }
+        $(#[$in_place])*
+        pub(crate) struct $views {
+            $(pub $field: View<$item>,)*
+            $(/// Optional sections, all or none.
+            pub $also: Option<$more_views>,)?
+        }
 
-        impl Tables {
+        impl $tables {
             fn sections(&self) -> Vec<NewSection<'_>> {
-                vec![$(NewSection {
+                let own = [$(NewSection {
                     name: stringify!($field),
-                    required: true,
+                    required: $required,
                     item_size: size_of::<$item>(),
                     bytes: bytemuck::cast_slice(&self.$field),
-                },)*]
+                },)*];
+                let own = own.into_iter();
+                $(let own = own.chain(self.$also.iter().flat_map($more::sections));)?
+                own.collect()
             }
         }
 
-        impl Views {
-            const KNOWN: &'static [&'static str] = &[$(stringify!($field),)*];
+        impl $views {
+            const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
 
-            fn find(storage: &Arc<Storage>, table: &[SectionEntry]) -> Result<Views, FormatError> {
-                Ok(Views { $($field: view(storage, table, stringify!($field))?,)* })
+            fn find(storage: &Arc<Storage>, table: &[SectionEntry]) -> Result<$views, FormatError> {
+                Ok($views {
+                    $($field: view(storage, table, stringify!($field))?,)*
+                    $($also: $more_views::find_all_or_none(storage, table)?,)?
+                })
             }
         }
     };
 }
 
 sections! {
+    /// The tables of a scene that is being compiled.
+    Tables,
+    /// The tables of an opened scene, in place.
+    Views, required: true, also map: MapTables, MapViews;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -106,6 +129,46 @@ sections! {
     located: u32;
 }
 
+sections! {
+    /// The map of the building.
+    MapTables,
+    /// The map of the building in an opened scene.
+    MapViews, required: false;
+    /// One record about the whole.
+    map: MapRecord;
+    /// Darts.
+    darts: DartRecord;
+    /// Where the map's vertices are, lattice units.
+    mapvertices: [f64; 3];
+    /// Its volumes.
+    mapvolumes: MapVolumeRecord;
+    /// Corners of their footprints, lattice units.
+    mapcorners: [i32; 2];
+    /// Their planes: slope along x, along y, height over the origin, in parts of a lattice unit.
+    mapplanes: [i64; 3];
+    /// Its faces.
+    mapfaces: MapFaceRecord;
+    /// Surfaces behind faces.
+    mapsources: MapSourceRecord;
+    /// Their triangles.
+    maptriangles: MapTriangle;
+    /// Triangles that no face stands for.
+    mapdetail: MapTriangle;
+}
+
+impl MapViews {
+    fn find_all_or_none(
+        storage: &Arc<Storage>,
+        table: &[SectionEntry],
+    ) -> Result<Option<MapViews>, FormatError> {
+        let has = |name: &&&str| table.iter().any(|entry| entry.name() == **name);
+        match MapViews::NAMES.iter().filter(has).count() {
+            0 => Ok(None),
+            _ => MapViews::find(storage, table).map(Some),
+        }
+    }
+}
+
 /// The bit of an item of the section `located` that marks a volume that holds the whole cube.
 pub(crate) const WHOLE_BIT: u32 = 1 << 31;
 
@@ -143,7 +206,8 @@ impl Views {
         let storage = Arc::new(storage);
         let table = container::read_table(storage.bytes())?;
         for entry in &table {
-            let known = Views::KNOWN.contains(&entry.name().as_str());
+            let names = [Views::NAMES, MapViews::NAMES].concat();
+            let known = names.contains(&entry.name().as_str());
             if !known && entry.flags & SectionEntry::REQUIRED != 0 {
                 return Err(FormatError::Unknown(entry.name()));
             }
@@ -189,7 +253,8 @@ impl<'a> Check<'a> {
         self.triangles()?;
         self.volumes()?;
         self.locator()?;
-        self.hierarchy()
+        self.hierarchy()?;
+        super::map::check(self.views)
     }
 
     fn text(&self, section: &'static str, item: usize, text: Text) -> Result<(), FormatError> {

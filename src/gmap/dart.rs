@@ -42,6 +42,20 @@ impl GMap {
         GMap { alpha: [column(), column(), column(), column()], is_gone: Vec::with_capacity(darts), gone: 0 }
     }
 
+    /// A map with these alphas, by dart; a dart that was removed leads nowhere by any. That each is an involution is known.
+    pub(crate) fn from_alphas(alphas: impl ExactSizeIterator<Item = [u32; 4]>) -> GMap {
+        let mut map = GMap::with_capacity(alphas.len());
+        for (dart, alpha) in (0..).zip(alphas) {
+            let is_gone = alpha == [u32::MAX; 4];
+            map.is_gone.push(is_gone);
+            map.gone += usize::from(is_gone);
+            for (column, to) in map.alpha.iter_mut().zip(alpha) {
+                column.push(if is_gone { dart } else { to });
+            }
+        }
+        map
+    }
+
     /// Adds a dart that is free in all involutions.
     ///
     /// # Panics

@@ -89,7 +89,7 @@ impl Partition {
 ///
 /// # Errors
 /// What is wrong, in words.
-pub(crate) fn check_frame(
+fn check_frame(
     lattice: &Lattice,
     hull: [[i32; 3]; 2],
     planes: &[Plane],

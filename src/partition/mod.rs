@@ -57,7 +57,6 @@ use stacks::Joined;
 use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
-pub(crate) use check::check_frame;
 pub use moved::Repair;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 
