@@ -5,13 +5,17 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use common::{enf, fixture};
+use enfilade::building::Building;
 use enfilade::format::FormatError;
 use enfilade::importers::{ImportOptions, Model, import};
+use enfilade::partition::{PartitionOptions, partition};
+use enfilade::validate::{Code, validate};
 use enfilade::{Answer, CompileOptions, Hit, Ray, Scene, Want, compile};
 use enfilade_testing::Random;
 
@@ -19,10 +23,16 @@ fn house_model() -> Model {
     import(&fixture("house.glb"), &ImportOptions::default()).unwrap()
 }
 
-/// The compiled house.
+/// The compiled house, with its map.
 fn house() -> &'static [u8] {
     static HOUSE: OnceLock<Vec<u8>> = OnceLock::new();
-    HOUSE.get_or_init(|| compile(&house_model(), &CompileOptions::default()).unwrap().bytes)
+    HOUSE.get_or_init(|| compile(&house_model(), &with_map()).unwrap().bytes)
+}
+
+fn with_map() -> CompileOptions {
+    let mut options = CompileOptions::default();
+    options.topology = true;
+    options
 }
 
 fn rays(count: usize) -> Vec<Ray> {
@@ -84,9 +94,9 @@ fn told(scene: &Scene) -> String {
 #[test]
 fn opening_is_the_inverse_of_writing() {
     let model = house_model();
-    let compiled = compile(&model, &CompileOptions::default()).unwrap();
+    let compiled = compile(&model, &with_map()).unwrap();
     let bytes = compiled.bytes.clone();
-    assert_eq!(bytes, house(), "the same model, the same bytes");
+    assert!(bytes == house(), "the same model, the same bytes");
     let kept = compiled.scene();
     let copied = Scene::from_bytes(&bytes).unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -121,6 +131,13 @@ fn opening_is_the_inverse_of_writing() {
     assert_eq!(copied.materials().len(), model.materials.len());
     assert_eq!((copied.lights().len(), copied.cameras().len()), (model.lights.len(), model.cameras.len()));
     assert_eq!(copied.frame(), model.frame);
+    let (cells, _) = partition(&model, &PartitionOptions::default()).unwrap();
+    assert!(copied.building() == Some(Building::new(&model, &cells).unwrap()));
+    let without = compile(&model, &CompileOptions::default()).unwrap();
+    assert!(!without.scene().has_building() && without.scene().building().is_none());
+    let sections = |file: &[u8]| enf::sections(file).into_iter().map(|s| s.name).collect::<Vec<_>>();
+    let all = sections(house());
+    assert_eq!(all[..all.len() - 10], sections(&without.bytes));
 }
 
 #[test]
@@ -170,7 +187,7 @@ fn missing_sections_and_new_versions_are_refused() {
     let count = enf::sections(house()).len();
     for index in 0..count {
         let mut file = house().to_vec();
-        // Renamed, and no longer required: a file without that section.
+        // Renamed, and no longer required: a file without that section. Of the map's all are there or none.
         enf::put(&mut file, enf::row(index), b"x");
         enf::put(&mut file, enf::row(index) + 12, &[0]);
         enf::seal(&mut file);
@@ -340,6 +357,84 @@ fn harmless(scene: &Scene, rays: &[Ray]) {
     }
     let mut hits = vec![Hit::ESCAPED; rays.len()];
     scene.trace_many(rays, &mut hits, Want::default());
+    if let Some(building) = scene.building() {
+        validate(building);
+    }
+}
+
+/// Of the map's own sections, too: whatever it is, it is refused or validated.
+#[test]
+fn damaged_maps_are_refused_or_validated() {
+    let sections: Vec<enf::Section> = enf::sections(house()).into_iter().rev().take(10).collect();
+    let mut random = Random::new(3);
+    let (mut refused, mut codes) = (0, BTreeSet::new());
+    for round in 0..1500 {
+        let mut file = house().to_vec();
+        for _ in 0..1 + random.below(2) {
+            let section = &sections[random.below(sections.len())];
+            let mut range = section.start..section.start + section.length;
+            if random.below(3) == 0 {
+                range.end = range.end.min(range.start + section.item);
+            }
+            if range.is_empty() {
+                continue;
+            }
+            damage(&mut random, &mut file[range]);
+        }
+        enf::seal(&mut file);
+        let start = Instant::now();
+        match Scene::from_bytes(&file) {
+            Err(_) => refused += 1,
+            Ok(scene) => {
+                let (valid, report) = validate(scene.building().unwrap());
+                assert_eq!(valid.is_some(), !report.is_fatal());
+                codes.extend(report.findings.iter().map(|finding| finding.code));
+            }
+        }
+        assert!(start.elapsed() < Duration::from_secs(10), "round {round}");
+    }
+    println!("{refused} refused, {codes:?}");
+    assert!(refused > 200, "{refused}");
+    for code in [Code::T06, Code::G01, Code::G02, Code::G04] {
+        assert!(codes.contains(&code), "{code:?}: {codes:?}");
+    }
+}
+
+/// Alphas that are no involutions are refused: a walk along them might not end. Other maps that are none are validated.
+#[test]
+fn maps_that_are_none_are_told() {
+    let section = enf::section(house(), "darts");
+    let alpha = |file: &[u8], dart: usize, i: usize| {
+        enf::u32_at(file, section.start + dart * section.item + 4 * i) as usize
+    };
+    let link = |file: &mut [u8], i: usize, a: usize, b: usize| {
+        for (from, to) in [(a, b), (b, a)] {
+            enf::put(file, section.start + from * section.item + 4 * i, &(to as u32).to_le_bytes());
+        }
+    };
+    let findings = |change: &dyn Fn(&mut [u8])| {
+        let mut file = house().to_vec();
+        change(&mut file);
+        enf::seal(&mut file);
+        let report = validate(Scene::from_bytes(&file)?.building().unwrap()).1;
+        Ok::<_, FormatError>(report.findings.iter().map(|finding| finding.code).collect::<BTreeSet<_>>())
+    };
+    assert_eq!(findings(&|_| ()), Ok(BTreeSet::new()));
+    let error = findings(&|file| enf::put(file, section.start, &7u32.to_le_bytes())).unwrap_err();
+    assert!(error.to_string().contains("T01"), "{error}");
+    // Two edges that change their ends.
+    let [a, b] = [0, alpha(house(), 4, 0)];
+    let [c, d] = [a, b].map(|dart| alpha(house(), dart, 0));
+    let crossed = findings(&|file| {
+        link(file, 0, a, b);
+        link(file, 0, c, d);
+    });
+    assert_eq!(crossed, Ok(BTreeSet::from([Code::T02])));
+    let open = findings(&|file| {
+        link(file, 1, a, a);
+        link(file, 1, alpha(house(), a, 1), alpha(house(), a, 1));
+    });
+    assert_eq!(open, Ok(BTreeSet::from([Code::T02, Code::T03])));
 }
 
 #[test]

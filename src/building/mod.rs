@@ -33,7 +33,7 @@ pub use kind::FaceKind;
 pub use way::{Way, WayOptions};
 
 /// A building.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Building {
     /// The grid of all coordinates.
     pub lattice: Lattice,
@@ -107,7 +107,7 @@ pub struct Element {
 }
 
 /// What bears one label.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Extent {
     /// Its volumes, ascending.
     volumes: Vec<u32>,

@@ -163,6 +163,7 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
     if let Some(i) = map.mapcorners.iter().position(|p| !p.iter().all(|&c| fits(c))) {
         ensure(false, "mapcorners", i, || "beyond the lattice".to_owned())?;
     }
+    let mut corners = 0u64;
     for (i, volume) in map.mapvolumes.iter().enumerate() {
         let labelled = matches!(volume.kind, MapVolumeRecord::SOLID | MapVolumeRecord::AIR);
         let of = (volume.element as usize) < v.elements.len();
@@ -172,9 +173,10 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
         ensure(ok && is_dart(volume.dart), "mapvolumes", i, || {
             "a plane or its dart is not there".to_owned()
         })?;
-        let end = u64::from(volume.first_corner) + u64::from(volume.corners);
-        let ok = end <= map.mapcorners.len() as u64 && volume.corners as usize <= map.darts.len();
-        ensure(ok, "mapvolumes", i, || format!("corners up to {end}"))?;
+        let follows = u64::from(volume.first_corner) == corners;
+        corners += u64::from(volume.corners);
+        let ok = follows && corners <= map.mapcorners.len() as u64;
+        ensure(ok, "mapvolumes", i, || "its corners do not follow those of the one before".to_owned())?;
     }
     for (i, face) in map.mapfaces.iter().enumerate() {
         let volumes = map.mapvolumes.len();

@@ -75,7 +75,7 @@ impl Way {
 }
 
 /// The map of a partition.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
     /// The map. Every cell of the partition is a volume.
     pub map: GMap,

@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 
+use enfilade::validate::validate;
 use enfilade::{Answer, Hit, Kernel, NONE, Place, Ray, Scene, Start, Want};
 use enfilade_testing::Random;
 
@@ -21,6 +22,10 @@ pub enum Origin {
 /// index in an answer must be one of the scene's.
 pub fn everything(scene: &Scene, origin: Origin) {
     tables(scene);
+    if let Some(building) = scene.building() {
+        let (valid, report) = validate(building);
+        assert_eq!(valid.is_some(), !report.is_fatal());
+    }
     let mut random = Random::new(7);
     for _ in 0..RAYS {
         let ray = ray(scene, &mut random);

@@ -316,7 +316,7 @@ pub fn rules() -> Seeds {
 /// Scenes: parts of the generated house.
 pub fn enf() -> Seeds {
     let house = import(&fixture("house.glb"), &ImportOptions::default()).expect("the fixture is a model");
-    let scene = |name: &str, cells: bool, wanted: &[(Semantic, usize)]| {
+    let scene = |name: &str, cells: bool, topology: bool, wanted: &[(Semantic, usize)]| {
         let mut part = house.clone();
         let mut kept = Vec::new();
         for &(semantic, count) in wanted {
@@ -330,15 +330,21 @@ pub fn enf() -> Seeds {
         part.lights.truncate(2);
         part.cameras.truncate(2);
         let mut options = CompileOptions::default();
-        options.cells = cells;
+        (options.cells, options.topology) = (cells, topology);
         let compiled = compile(&part, &options).expect("a part of the house compiles");
         (name.to_owned(), compiled.bytes)
     };
     vec![
-        scene("column", true, &[(Semantic::Column, 1)]),
-        scene("room", true, &[(Semantic::Room, 1), (Semantic::Column, 2)]),
-        scene("door", false, &[(Semantic::Door, 1), (Semantic::Ground, 1)]),
-        scene("glass", true, &[(Semantic::Glass, 1), (Semantic::Window, 1), (Semantic::WindowFrame, 1)]),
+        scene("column", true, false, &[(Semantic::Column, 1)]),
+        scene("room", true, false, &[(Semantic::Room, 1), (Semantic::Column, 2)]),
+        scene("door", false, false, &[(Semantic::Door, 1), (Semantic::Ground, 1)]),
+        scene(
+            "glass",
+            true,
+            false,
+            &[(Semantic::Glass, 1), (Semantic::Window, 1), (Semantic::WindowFrame, 1)],
+        ),
+        scene("map", true, true, &[(Semantic::Window, 1)]),
     ]
 }
 
