@@ -5,7 +5,7 @@
 //! it; what lies beyond a face is the volume of alpha 3. This is the inverse of [`sew`](crate::sew::sew), but for parts of sides
 //! that have no height, which are no faces.
 
-use super::{Building, Volume};
+use super::{Building, FaceKind, Volume};
 use crate::gmap::Dart;
 use crate::lattice::{Point, orient};
 use crate::partition::cells::{Cell, Cover, Face, NONE, Partition, Section};
@@ -27,8 +27,13 @@ impl Building {
     /// # Errors
     /// [`CellsError`]: the map is not one of convex prisms. None that [`Building::new`] made is refused.
     pub fn cells(&self) -> Result<Partition, CellsError> {
+        self.named_cells().map(|cells| cells.partition)
+    }
+
+    /// The same, with the kind of each part of their surfaces.
+    pub(crate) fn named_cells(&self) -> Result<NamedCells, CellsError> {
         let reader = Reader::new(self)?;
-        let mut partition = Partition {
+        let partition = Partition {
             lattice: self.lattice,
             hull: self.hull,
             planes: self.planes.clone(),
@@ -39,13 +44,27 @@ impl Building {
             sources: self.sources.clone(),
             detail: self.detail.clone(),
         };
+        let mut cells = NamedCells { partition, faces: Vec::new(), covers: Vec::new() };
         for volume in 0..self.volumes.len() as u32 {
             let failed = |what| CellsError { volume, what };
-            reader.add(volume, &mut partition).map_err(failed)?;
+            reader.add(volume, &mut cells).map_err(failed)?;
         }
-        Ok(partition)
+        Ok(cells)
     }
 }
+
+/// Cells, and what the parts of their surfaces are called.
+#[derive(Clone, Debug)]
+pub(crate) struct NamedCells {
+    pub(crate) partition: Partition,
+    /// By face of the partition.
+    pub(crate) faces: Vec<FaceKind>,
+    /// By cover.
+    pub(crate) covers: Vec<FaceKind>,
+}
+
+/// A part of a section, and what it is called.
+type Named = (Face, FaceKind);
 
 /// A side of a face that a volume has.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +93,9 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(building: &'a Building) -> Result<Reader<'a>, CellsError> {
         let map = &building.topology.map;
+        if building.faces.len() != building.topology.faces.len() {
+            return Err(CellsError { volume: 0, what: "not all faces have names" });
+        }
         let at = |dart: Dart| building.topology.cell_of.get(dart.index()).copied().unwrap_or(UNSEEN);
         if let Some(defect) = map.defects().next() {
             return Err(CellsError { volume: at(defect.dart()), what: "its alphas do not fit each other" });
@@ -134,18 +156,20 @@ impl<'a> Reader<'a> {
     }
 
     /// Adds a cell and all that it is made of.
-    fn add(&self, number: u32, partition: &mut Partition) -> Result<(), &'static str> {
+    fn add(&self, number: u32, cells: &mut NamedCells) -> Result<(), &'static str> {
+        let partition = &mut cells.partition;
         let volume = &self.building.volumes[number as usize];
         let own =
             &self.sides[self.starts[number as usize] as usize..self.starts[number as usize + 1] as usize];
         let first_section = partition.sections.len() as u32;
         for edge in self.footprint(volume, own)? {
-            let mut before: Vec<Face> = Vec::new();
+            let mut before: Vec<Named> = Vec::new();
             for (start, stack) in edge.pieces(self)? {
                 // What has the same beyond it is one section.
                 if stack != before {
                     let first = partition.faces.len() as u32;
-                    partition.faces.extend(&stack);
+                    partition.faces.extend(stack.iter().map(|named| named.0));
+                    cells.faces.extend(stack.iter().map(|named| named.1));
                     let faces = first..partition.faces.len() as u32;
                     partition.sections.push(Section { start, faces });
                     before = stack;
@@ -161,6 +185,7 @@ impl<'a> Reader<'a> {
                     return Err("a floor or ceiling lies in two planes");
                 }
                 partition.covers.push(self.cover(side));
+                cells.covers.push(self.building.faces[side.face as usize].kind);
             }
             let range = first..partition.covers.len() as u32;
             if range.is_empty() { Err("it has no floor, or no ceiling") } else { Ok(range) }
@@ -329,14 +354,14 @@ impl Edge {
     }
 
     /// Its parts from its start to its end, each with what lies beyond it from the floor up.
-    fn pieces(&self, reader: &Reader<'_>) -> Result<Vec<(Point, Vec<Face>)>, &'static str> {
+    fn pieces(&self, reader: &Reader<'_>) -> Result<Vec<(Point, Vec<Named>)>, &'static str> {
         let mut points: Vec<Point> = self.spans.iter().flat_map(|span| span.0).chain(self.ends).collect();
         points.sort_unstable_by_key(|&p| self.along(p));
         points.dedup();
         points.windows(2).map(|ends| Ok((ends[0], self.stack([ends[0], ends[1]], reader)?))).collect()
     }
 
-    fn stack(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Vec<Face>, &'static str> {
+    fn stack(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Vec<Named>, &'static str> {
         let [from, to] = ends.map(|p| self.along(p));
         let over = self.spans.iter().filter(|(of, _)| self.along(of[0]) <= from && to <= self.along(of[1]));
         let mut beyond: Vec<(i128, Cover, u32)> = over
@@ -349,19 +374,21 @@ impl Edge {
         // Where planes bend, a neighbour has several faces.
         beyond.dedup_by_key(|(_, cover, _)| cover.cell);
         let Some(last) = beyond.len().checked_sub(1) else { return Ok(vec![self.nothing(ends, reader)?]) };
-        let top = |(k, (_, cover, _)): (usize, &(i128, Cover, u32))| {
+        let top = |(k, (_, cover, face)): (usize, &(i128, Cover, u32))| {
             let other = reader.building.volumes.get(cover.cell as usize).filter(|_| k < last);
-            Face { top: other.map_or(NONE, |other| other.ceiling), cover: *cover }
+            let kind = reader.building.faces[*face as usize].kind;
+            (Face { top: other.map_or(NONE, |other| other.ceiling), cover: *cover }, kind)
         };
         Ok(beyond.iter().enumerate().map(top).collect())
     }
 
     /// What is beyond a part over which the volume has no height: what is above it. Nothing can be seen there.
-    fn nothing(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Face, &'static str> {
+    fn nothing(&self, ends: [Point; 2], reader: &Reader<'_>) -> Result<Named, &'static str> {
         let middle = [ends[0].x + ends[1].x, ends[0].y + ends[1].y].map(|c| f64::from(c) / 2.0);
         let off = |at: &[f64; 2]| (at[0] - middle[0]).hypot(at[1] - middle[1]);
         let nearest = self.closed.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0)));
         let (_, ceiling) = nearest.ok_or("a part of a side has no face")?;
-        Ok(Face { top: NONE, cover: Cover { cell: reader.beyond(ceiling.dart), source: NONE } })
+        let kind = reader.building.faces[ceiling.face as usize].kind;
+        Ok((Face { top: NONE, cover: Cover { cell: reader.beyond(ceiling.dart), source: NONE } }, kind))
     }
 }

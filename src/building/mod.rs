@@ -29,6 +29,7 @@ use looks::Looks;
 pub(crate) use portals::{Place, Portal, Portals};
 
 pub use cells::CellsError;
+pub(crate) use cells::NamedCells;
 pub use kind::FaceKind;
 pub use way::{Way, WayOptions};
 

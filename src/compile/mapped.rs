@@ -5,7 +5,7 @@ use std::time::Instant;
 use enfilade_importers::{Budget, Model};
 
 use super::{CompileError, CompileOptions, Stage};
-use crate::building::Building;
+use crate::building::{Building, NamedCells};
 use crate::format::MapTables;
 use crate::format::map::{DartRecord, MapFaceRecord};
 use crate::partition::cells::Partition;
@@ -68,10 +68,10 @@ pub(super) fn stored(
 pub(super) fn cells(
     building: &Validated<Building>,
     options: &CompileOptions,
-) -> Result<(Partition, Stage), CompileError> {
+) -> Result<(NamedCells, Stage), CompileError> {
     options.watch.check()?;
     let start = Instant::now();
-    let cells = building.get().cells().map_err(|error| CompileError::Partition(error.to_string()))?;
+    let cells = building.get().named_cells().map_err(|error| CompileError::Partition(error.to_string()))?;
     let stage = Stage { name: "cells of the map", seconds: start.elapsed().as_secs_f64() };
     options.watch.report(stage.name, 1.0);
     Ok((cells, stage))

@@ -20,7 +20,7 @@ use std::time::Instant;
 use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget, Untagged, UpAxis, Watch};
 
 use self::geometry::Gathered;
-use crate::building::Building;
+use crate::building::{Building, NamedCells};
 use crate::format::records::{
     BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
     TriangleRecord, VolumeRecord,
@@ -118,7 +118,7 @@ const MARGIN: f64 = 1.0;
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
     if !options.cells {
-        return compile_tables(model, &Partition::whole(), None, options);
+        return compile_tables(model, &whole(), None, options);
     }
     let how = PartitionOptions::default()
         .with_untagged(options.untagged)
@@ -137,7 +137,7 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
         Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(failed) => failed.to_string(),
     };
-    let mut compiled = compile_tables(model, &Partition::whole(), None, options)?;
+    let mut compiled = compile_tables(model, &whole(), None, options)?;
     compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
     Ok(compiled)
 }
@@ -179,16 +179,22 @@ pub fn compile_building(
     Ok(compiled)
 }
 
-/// Compiles the cells of a partition; if it has none, everything is detail.
+/// No cells: everything is detail.
+fn whole() -> NamedCells {
+    NamedCells { partition: Partition::whole(), faces: Vec::new(), covers: Vec::new() }
+}
+
+/// Compiles cells; if there are none, everything is detail.
 fn compile_tables(
     model: &Model,
-    partition: &Partition,
+    cells: &NamedCells,
     map: Option<MapTables>,
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
     if !(options.tolerance > 0.0 && options.tolerance <= 0.1) {
         return Err(CompileError::Tolerance(options.tolerance));
     }
+    let partition = &cells.partition;
     partition.check_frame().map_err(CompileError::Partition)?;
     let zone = prisms::zone(partition);
     let mut run = Run { options, budget: Budget::new(&options.limits), stages: Vec::new() };
@@ -227,7 +233,7 @@ fn compile_tables(
         ..bytemuck::Zeroable::zeroed()
     });
     let sloped = run
-        .stage("cells", || prisms::add(model, partition, &gathered, hull, &mut tables))?
+        .stage("cells", || prisms::add(model, cells, &gathered, hull, &mut tables))?
         .map_err(CompileError::Partition)?;
     let counted = add_detail(&mut run, partition, &gathered, zone, &mut tables)?;
 

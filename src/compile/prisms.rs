@@ -3,6 +3,7 @@
 use enfilade_importers::{ElementId, Model, Semantic};
 
 use super::geometry::Gathered;
+use crate::building::{FaceKind, NamedCells};
 use crate::format::Tables;
 use crate::format::records::{
     CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
@@ -24,11 +25,12 @@ pub(super) fn zone(partition: &Partition) -> Option<[[f64; 3]; 2]> {
 /// What is wrong with the partition: an index out of range, a cell that is no prism.
 pub(super) fn add(
     model: &Model,
-    partition: &Partition,
+    cells: &NamedCells,
     gathered: &Gathered,
     hull: [[f64; 3]; 2],
     tables: &mut Tables,
 ) -> Result<Traits, String> {
+    let partition = &cells.partition;
     let around = if partition.cells.is_empty() { Semantic::Unknown } else { Semantic::Exterior };
     tables.cells.push(CellRecord {
         bounds: hull,
@@ -54,7 +56,7 @@ pub(super) fn add(
     for (room, record) in tables.rooms.iter().enumerate() {
         rooms[record.element as usize] = room as u32;
     }
-    let mut run = Run { model, partition, rooms: &rooms, sloped: false };
+    let mut run = Run { model, cells, partition, rooms: &rooms, sloped: false };
     for (i, cell) in partition.cells.iter().enumerate() {
         run.cell(cell, tables).map_err(|what| format!("cell {i}: {what}"))?;
     }
@@ -105,6 +107,7 @@ pub(super) fn scene_triangle(
 
 struct Run<'a> {
     model: &'a Model,
+    cells: &'a NamedCells,
     partition: &'a Partition,
     /// The room that each element labels.
     rooms: &'a [u32],
@@ -136,12 +139,13 @@ impl Run<'_> {
                 first_face: tables.faces.len() as u32,
                 faces: faces.len() as u32,
             });
-            for face in faces {
+            for (face, number) in faces.iter().zip(section.faces.start as usize..) {
                 if face.top != NONE {
                     plane(face.top)?;
                 }
-                let CoverRecord { cell, source } = self.cover(&face.cover)?;
-                tables.faces.push(FaceRecord { top: face.top, cell, source, reserved: 0 });
+                let CoverRecord { cell, source, kind } =
+                    self.cover(&face.cover, &self.cells.faces, number)?;
+                tables.faces.push(FaceRecord { top: face.top, cell, source, kind });
             }
             let [low, high] = [floor, ceiling].map(|plane| plane.height(p) as f64 / FINE as f64);
             for (c, axis) in [(f64::from(p.x), 0), (f64::from(p.y), 1), (low, 2), (high, 2)] {
@@ -150,8 +154,9 @@ impl Run<'_> {
                 bounds[1][axis] = bounds[1][axis].max(c);
             }
         }
-        for cover in below.iter().chain(above) {
-            let cover = self.cover(cover)?;
+        let numbers = slice(&cell.below).chain(slice(&cell.above));
+        for (cover, number) in below.iter().chain(above).zip(numbers) {
+            let cover = self.cover(cover, &self.cells.covers, number)?;
             tables.covers.push(cover);
         }
         let (kind, semantic, element) = self.label(cell.label)?;
@@ -173,14 +178,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn cover(&self, cover: &Cover) -> Result<CoverRecord, String> {
+    fn cover(&self, cover: &Cover, kinds: &[FaceKind], number: usize) -> Result<CoverRecord, String> {
         let known = (cover.cell == NONE || (cover.cell as usize) < self.partition.cells.len())
             && (cover.source == NONE || (cover.source as usize) < self.partition.sources.len());
         if !known {
             return Err(format!("{cover:?} is not there"));
         }
+        let kind = kinds.get(number).ok_or("what a face is called is not known")?.number();
         // Cell 0 is what lies around: beyond the hull, or none.
-        Ok(CoverRecord { cell: cover.cell.wrapping_add(1), source: cover.source })
+        Ok(CoverRecord { cell: cover.cell.wrapping_add(1), source: cover.source, kind })
     }
 
     fn label(&self, label: Label) -> Result<(u32, Semantic, u32), String> {

@@ -3,8 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::FormatError;
 use super::tables::{Views, ensure, within};
+use super::{FACE_KINDS, FormatError};
 use crate::trace::NONE;
 
 /// No lattice coordinate is larger: what f32 counts exactly.
@@ -16,9 +16,6 @@ const FINE_BITS: u32 = 24;
 /// No plane is steeper along either axis, or farther over the origin, in parts of a lattice unit.
 const STEEPEST: u64 = 4096 << FINE_BITS;
 const FARTHEST: u64 = 1 << 61;
-
-/// Numbers of kinds of faces.
-const FACE_KINDS: std::ops::RangeInclusive<u32> = 64..=75;
 
 /// Section `map`: one record about the whole.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -2,9 +2,9 @@
 
 use enfilade_importers::Semantic;
 
-use super::FormatError;
 use super::records::{CellRecord, SideRecord, SourceRecord};
 use super::tables::{Views, ensure, invalid, is_box, within};
+use super::{FACE_KINDS, FormatError};
 use crate::trace::NONE;
 
 /// No lattice coordinate is larger: what f32 counts exactly.
@@ -122,13 +122,14 @@ fn beyond(v: &Views) -> Result<(), FormatError> {
         (cell as usize) < v.cells.len() && (source == NONE || (source as usize) < v.sources.len())
     };
     for (i, face) in v.faces.iter().enumerate() {
-        let ok = known(face.cell, face.source) && (face.top == NONE || (face.top as usize) < v.planes.len());
+        let ok = known(face.cell, face.source)
+            && (face.top == NONE || (face.top as usize) < v.planes.len())
+            && FACE_KINDS.contains(&face.kind);
         ensure(ok, "faces", i, || format!("{face:?} refers to what is not there"))?;
     }
     for (i, cover) in v.covers.iter().enumerate() {
-        ensure(known(cover.cell, cover.source), "covers", i, || {
-            format!("{cover:?} refers to what is not there")
-        })?;
+        let ok = known(cover.cell, cover.source) && FACE_KINDS.contains(&cover.kind);
+        ensure(ok, "covers", i, || format!("{cover:?} refers to what is not there"))?;
     }
     for (i, plane) in v.planes.iter().enumerate() {
         let ok = plane.slope.iter().all(|s| s.abs() <= STEEPEST) && within(plane.height);

@@ -213,8 +213,8 @@ pub struct FaceRecord {
     pub cell: u32,
     /// Between air and matter: what rays meet there, or none.
     pub source: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Number of its kind, from 64 on.
+    pub kind: u32,
 }
 
 /// Section `covers`: a part of a floor or a ceiling.
@@ -225,6 +225,8 @@ pub struct CoverRecord {
     pub cell: u32,
     /// Between air and matter: what rays meet there, or none.
     pub source: u32,
+    /// Number of its kind, from 64 on.
+    pub kind: u32,
 }
 
 /// Section `planes`: z = slope . (x, y) + height, metres from the lattice's origin.

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::NONE;
 use super::plan::PlanLine;
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord};
 
 /// A point no farther than this outside of a prism counts as in it, metres: what rounding can move it.
 pub(super) const NEAR: f64 = 1e-9;
@@ -59,6 +59,8 @@ pub(super) struct Prisms<'a> {
     faces: &'a [FaceRecord],
     covers: &'a [CoverRecord],
     planes: &'a [PlaneRecord],
+    sources: &'a [SourceRecord],
+    surfaces: &'a [u32],
     starts: &'a [u32],
     listed: &'a [u32],
     pub(super) zone: [[f64; 3]; 2],
@@ -80,6 +82,8 @@ impl<'a> Prisms<'a> {
             faces: &tables.faces,
             covers: &tables.covers,
             planes: &tables.planes,
+            sources: &tables.sources,
+            surfaces: &tables.surfaces,
             starts: &tables.cellgrid,
             listed: &tables.gridcells,
             zone: scene.zone,
@@ -118,6 +122,23 @@ impl<'a> Prisms<'a> {
     #[inline(always)]
     fn sides_of(&self, cell: &CellRecord) -> &'a [SideRecord] {
         &self.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize]
+    }
+
+    /// The number of the kind of the face that a triangle is part of, if it is one of the cell's own surface.
+    pub(super) fn kind(&self, cell: u32, triangle: u32) -> Option<u32> {
+        let cell = &self.cells[cell as usize];
+        let holds = |source: u32| {
+            let record = self.sources.get(source as usize)?;
+            let own = &self.surfaces[record.first as usize..(record.first + record.count) as usize];
+            own.binary_search(&triangle).ok()
+        };
+        let sides = self.sides_of(cell).iter();
+        let faces = sides
+            .flat_map(|side| &self.faces[side.first_face as usize..(side.first_face + side.faces) as usize]);
+        let covers = cell.first_cover as usize..(cell.first_cover + cell.below + cell.above) as usize;
+        let faces = faces.map(|face| (face.source, face.kind));
+        let covers = self.covers[covers].iter().map(|cover| (cover.source, cover.kind));
+        faces.chain(covers).find(|(source, _)| holds(*source).is_some()).map(|(_, kind)| kind)
     }
 
     /// A normal of a plane, upward.

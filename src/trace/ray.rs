@@ -57,7 +57,8 @@ pub struct Hit {
     pub normal: [f64; 3],
     /// Index of the element.
     pub element: u32,
-    /// Number of the element's [`Semantic`](enfilade_importers::Semantic) (under 64), or of a face's (from 64).
+    /// Number of the element's [`Semantic`](enfilade_importers::Semantic) (under 64), or with [`Want::face`](super::Want::face) of the
+    /// kind of the face (from 64), where the triangle is part of the surface of the cell in which the ray ended.
     pub semantic: u32,
     /// Index of the material.
     pub material: u32,

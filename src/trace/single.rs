@@ -39,17 +39,25 @@ pub enum Start<'a> {
 pub struct Want {
     /// [`Hit::room`] also where the ray does not end in a cell of its own: costs a look-up of the point.
     pub room: bool,
+    /// In [`Hit::semantic`] the kind of the face that was met, where one was, instead of the element's meaning: costs a search
+    /// among the faces of a cell.
+    pub face: bool,
 }
 
 impl Default for Want {
     fn default() -> Want {
-        Want { room: true }
+        Want { room: true, face: false }
     }
 }
 
 impl Want {
     /// Only what costs nothing.
-    pub const LEAST: Want = Want { room: false };
+    pub const LEAST: Want = Want { room: false, face: false };
+
+    /// The same, and the kind of the face.
+    pub const fn with_face(self) -> Want {
+        Want { face: true, ..self }
+    }
 }
 
 impl Scene {
@@ -157,13 +165,14 @@ impl Scene {
             _ if want.room => (cell, self.room_before(line, found.t)),
             _ => (cell, NONE),
         };
+        let kind = if want.face { Prisms::new(&self.tables).kind(cell, found.triangle) } else { None };
         Hit {
             // Not -0.
             t: found.t + 0.0,
             point: point.to_array(),
             normal: normal.to_array(),
             element: record.element,
-            semantic: self.tables.elements[record.element as usize].semantic,
+            semantic: kind.unwrap_or(self.tables.elements[record.element as usize].semantic),
             material: record.material,
             cell,
             room,
