@@ -23,6 +23,7 @@ use glam::DVec3;
 use crate::gmap::Dart;
 use crate::lattice::{Lattice, Plane, Point, orient};
 use crate::partition::cells::{Label, NONE, Partition, Source};
+use crate::partition::check_triangles;
 use crate::sew::{Sewn, Topology, TopologyError, sew};
 
 use looks::Looks;
@@ -116,6 +117,23 @@ struct Extent {
     faces: Vec<u32>,
 }
 
+/// What is known of a model's elements.
+fn elements(model: &Model) -> Vec<Element> {
+    let by_id: BTreeMap<&str, u32> =
+        model.elements.iter().zip(0..).map(|(element, i)| (element.id.as_str(), i)).collect();
+    let find = |id: &Option<String>| id.as_deref().and_then(|id| by_id.get(id)).map(|&i| ElementId(i));
+    let element = |element: &enfilade_importers::Element| Element {
+        id: element.id.clone(),
+        name: element.name.clone(),
+        path: element.path.clone(),
+        semantic: element.semantic,
+        storey: element.storey.clone().filter(|storey| !storey.is_empty()),
+        host: find(&element.host),
+        filling: find(&element.filling),
+    };
+    model.elements.iter().map(element).collect()
+}
+
 impl Building {
     /// The building that a model is, its space being cut by `partition`.
     ///
@@ -145,18 +163,6 @@ impl Building {
             let (label, floor, ceiling) = (cell.label, cell.floor, cell.ceiling);
             volumes.push(Volume { label, floor, ceiling, footprint, dart });
         }
-        let by_id: BTreeMap<&str, u32> =
-            model.elements.iter().zip(0..).map(|(element, i)| (element.id.as_str(), i)).collect();
-        let find = |id: &Option<String>| id.as_deref().and_then(|id| by_id.get(id)).map(|&i| ElementId(i));
-        let elements = model.elements.iter().map(|element| Element {
-            id: element.id.clone(),
-            name: element.name.clone(),
-            path: element.path.clone(),
-            semantic: element.semantic,
-            storey: element.storey.clone().filter(|storey| !storey.is_empty()),
-            host: find(&element.host),
-            filling: find(&element.filling),
-        });
         let mut building = Building {
             lattice: partition.lattice,
             hull: partition.hull,
@@ -167,14 +173,34 @@ impl Building {
             topology,
             sources: partition.sources.clone(),
             detail: partition.detail.clone(),
-            elements: elements.collect(),
+            elements: elements(model),
             labels: BTreeMap::new(),
         };
-        let looks: Vec<Looks> = building.sources.iter().map(|source| Looks::of(model, source)).collect();
-        let faces = building.topology.faces.iter().map(|face| building.name(model, &looks, face));
-        building.faces = faces.collect();
+        building.faces = building.named(model);
         building.gather();
         Ok(building)
+    }
+
+    /// Checks that it is a building of this model: that its elements are the model's, and its faces what the model's surfaces
+    /// make them.
+    ///
+    /// # Errors
+    /// What is not, in words.
+    pub(crate) fn check_model(&self, model: &Model) -> Result<(), String> {
+        check_triangles(model, &self.sources, &self.detail)?;
+        if self.elements != elements(model) {
+            return Err("its elements are not the model's".to_owned());
+        }
+        match self.named(model).iter().zip(&self.faces).position(|(own, known)| own != known) {
+            Some(face) => Err(format!("face {face} is not called what the model makes it")),
+            None => Ok(()),
+        }
+    }
+
+    /// What the faces are, all their triangles being the model's.
+    fn named(&self, model: &Model) -> Vec<Face> {
+        let looks: Vec<Looks> = self.sources.iter().map(|source| Looks::of(model, source)).collect();
+        self.topology.faces.iter().map(|face| self.name(model, &looks, face)).collect()
     }
 
     /// The label of a volume; `None` outside the hull.

@@ -171,6 +171,7 @@ pub fn compile_building(
     building: Validated<Building>,
     options: &CompileOptions,
 ) -> Result<Compiled, CompileError> {
+    building.get().check_model(model).map_err(CompileError::Partition)?;
     let (cells, stage) = mapped::cells(&building, options)?;
     let map = options.topology.then(|| mapped::stored(&building, options)).transpose()?;
     drop(building);

@@ -3,7 +3,7 @@
 
 use enfilade_importers::{ElementId, Model};
 
-use super::cells::{Cell, Cover, Label, NONE, Partition};
+use super::cells::{Cell, Cover, Label, NONE, Partition, Source};
 use super::convex::is_convex;
 use crate::lattice::{FINE, LARGEST, Lattice, Plane, Point};
 
@@ -17,22 +17,7 @@ impl Partition {
         for (number, cell) in self.cells.iter().enumerate() {
             self.check_cell(model, cell).map_err(|what| format!("cell {number}: {what}"))?;
         }
-        let is_triangle = |(element, triangle): &(ElementId, u32)| {
-            let mesh = model.elements.get(element.0 as usize).map(|element| &element.mesh);
-            mesh.is_some_and(|mesh| (*triangle as usize) < mesh.triangles.len())
-        };
-        for (number, source) in self.sources.iter().enumerate() {
-            let is_plane = source.plane.is_none_or(|plane| (plane as usize) < source.triangles.len());
-            if source.triangles.is_empty() || !is_plane || !source.triangles.iter().all(is_triangle) {
-                return Err(format!("source {number} has no triangle, or one that is not there"));
-            }
-        }
-        match self.detail.iter().find(|triangle| !is_triangle(triangle)) {
-            Some((element, triangle)) => {
-                Err(format!("triangle {triangle} of element {} is not there", element.0))
-            }
-            None => Ok(()),
-        }
+        check_triangles(model, &self.sources, &self.detail)
     }
 
     /// Checks what all coordinates hang on.
@@ -85,11 +70,38 @@ impl Partition {
     }
 }
 
+/// Checks that all triangles are there, of surfaces and of detail.
+///
+/// # Errors
+/// What is wrong, in words.
+pub(crate) fn check_triangles(
+    model: &Model,
+    sources: &[Source],
+    detail: &[(ElementId, u32)],
+) -> Result<(), String> {
+    let is_triangle = |(element, triangle): &(ElementId, u32)| {
+        let mesh = model.elements.get(element.0 as usize).map(|element| &element.mesh);
+        mesh.is_some_and(|mesh| (*triangle as usize) < mesh.triangles.len())
+    };
+    for (number, source) in sources.iter().enumerate() {
+        let is_plane = source.plane.is_none_or(|plane| (plane as usize) < source.triangles.len());
+        if source.triangles.is_empty() || !is_plane || !source.triangles.iter().all(is_triangle) {
+            return Err(format!("source {number} has no triangle, or one that is not there"));
+        }
+    }
+    match detail.iter().find(|triangle| !is_triangle(triangle)) {
+        Some((element, triangle)) => {
+            Err(format!("triangle {triangle} of element {} is not there", element.0))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Checks a lattice, a box on it and planes over it: that no computation with them overflows. An empty box will do if `is_empty`.
 ///
 /// # Errors
 /// What is wrong, in words.
-fn check_frame(
+pub(crate) fn check_frame(
     lattice: &Lattice,
     hull: [[i32; 3]; 2],
     planes: &[Plane],

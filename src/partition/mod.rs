@@ -57,6 +57,7 @@ use stacks::Joined;
 use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
+pub(crate) use check::{check_frame, check_triangles};
 pub use moved::Repair;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 

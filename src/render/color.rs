@@ -16,6 +16,8 @@ pub enum ColorMode {
     Material,
     /// The meaning of the element: [`semantic_color`].
     Semantic,
+    /// The kind of the face: [`face_color`]; of detail, the meaning of the element.
+    Face,
     /// The element: [`element_color`].
     Element,
     /// The room in which the ray ends: [`room_color`].
@@ -33,14 +35,15 @@ pub enum ColorMode {
 
 /// The word names no colour mode.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is none of material, semantic, element, room, cell, depth, normal, cost")]
+#[error("'{0}' is none of material, semantic, face, element, room, cell, depth, normal, cost")]
 pub struct UnknownColorMode(pub String);
 
 impl ColorMode {
     /// All modes.
-    pub const ALL: [ColorMode; 8] = [
+    pub const ALL: [ColorMode; 9] = [
         ColorMode::Material,
         ColorMode::Semantic,
+        ColorMode::Face,
         ColorMode::Element,
         ColorMode::Room,
         ColorMode::Cell,
@@ -54,6 +57,7 @@ impl ColorMode {
         match self {
             ColorMode::Material => "material",
             ColorMode::Semantic => "semantic",
+            ColorMode::Face => "face",
             ColorMode::Element => "element",
             ColorMode::Room => "room",
             ColorMode::Cell => "cell",
@@ -139,6 +143,29 @@ const SEMANTICS: [(Semantic, [u8; 3]); 25] = [
 pub fn semantic_color(number: u32) -> [f32; 3] {
     let row = SEMANTICS.iter().find(|row| row.0.number() == number);
     row.map_or_else(|| element_color(number), |row| linear(row.1))
+}
+
+/// The colour of each kind of face that rays meet, by its number, sRGB.
+const FACES: [(u32, &str, [u8; 3]); 8] = [
+    (65, "WALLPAPER", [240, 228, 190]),
+    (66, "FACADE", [214, 160, 122]),
+    (67, "GATE_POST", [150, 90, 160]),
+    (68, "FLOOR", [150, 110, 75]),
+    (69, "CEILING", [190, 222, 214]),
+    (70, "TERRAIN", [120, 170, 60]),
+    (71, "ROOFING", [178, 66, 40]),
+    (72, "PANE", [70, 200, 235]),
+];
+
+/// The colour of the kind of face with this number, linear RGB; of numbers that are none, as [`semantic_color`] gives.
+pub fn face_color(number: u32) -> [f32; 3] {
+    let row = FACES.iter().find(|row| row.0 == number);
+    row.map_or_else(|| semantic_color(number), |row| linear(row.2))
+}
+
+/// All kinds of faces that rays meet, by number and name, with their colours as sRGB bytes, for a legend.
+pub fn face_legend() -> impl Iterator<Item = (u32, &'static str, [u8; 3])> {
+    FACES.iter().copied()
 }
 
 /// All meanings with their colours as sRGB bytes, for a legend.

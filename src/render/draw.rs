@@ -164,7 +164,9 @@ impl Job<'_> {
             let (hit, cost) = self.scene.trace_cost_from(self.start, &ray, Want::default());
             (hit, cost.total())
         } else {
-            (self.scene.trace_from(self.start, &ray, Want::default()), 0)
+            let want = Want::default();
+            let want = if mode == ColorMode::Face { want.with_face() } else { want };
+            (self.scene.trace_from(self.start, &ray, want), 0)
         };
         let mut pixel = Pixel { cost, ..Pixel::new(&hit) };
         pixel.color = if pixel.is_in_solid() {

@@ -19,7 +19,7 @@ use super::write::{WriteError, write};
 /// | `Z` | f32 | distance along the ray, in the unit of `frame`; infinite: escaped, NaN: in a solid |
 /// | `N.X`, `N.Y`, `N.Z` | f32 | normal toward the eye, in the axes of `frame`; zeros: none |
 /// | `element`, `room`, `cell`, `material` | u32 | index; 4294967295: none |
-/// | `semantic` | u32 | number of the element's semantic; 4294967295: no element |
+/// | `semantic` | u32 | number of the element's semantic, in pictures of faces of the face's kind; 4294967295: no element |
 ///
 /// `frame` is the source's own, [`Scene::frame`](crate::Scene::frame), or `Frame::default()` for the internal one. The
 /// file is there whole or not at all; one that was there is replaced. The same picture gives the same bytes.

@@ -26,7 +26,8 @@ mod write;
 pub use camera::{Camera, CameraError, Pinhole};
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
 pub use color::{
-    ColorMode, UnknownColorMode, cell_color, element_color, ramp, room_color, semantic_color, semantic_legend,
+    ColorMode, UnknownColorMode, cell_color, element_color, face_color, face_legend, ramp, room_color,
+    semantic_color, semantic_legend,
 };
 pub use draw::{RenderError, RenderOptions, render};
 pub use exr::write_exr;

@@ -15,7 +15,8 @@ pub struct Pixel {
     pub normal: [f32; 3],
     /// Index of the element, or [`NONE`].
     pub element: u32,
-    /// Number of the element's semantic, or [`NONE`] where there is no element.
+    /// Number of the element's semantic, in pictures of [`ColorMode::Face`](super::ColorMode::Face) of the kind of the face where one
+    /// was met; [`NONE`] where there is no element.
     pub semantic: u32,
     /// Index of the material, or [`NONE`].
     pub material: u32,

@@ -7,7 +7,7 @@ use enfilade_importers::Frame;
 use glam::DVec3;
 
 use super::color::{
-    ColorMode, SKY, cell_color, element_color, linear, room_color, semantic_color, to_linear,
+    ColorMode, SKY, cell_color, element_color, face_color, linear, room_color, semantic_color, to_linear,
 };
 use crate::format::records::MaterialRecord;
 use crate::scene::Scene;
@@ -42,6 +42,7 @@ pub(super) fn shade(scene: &Scene, ray: &Ray, hit: &Hit, mode: ColorMode, frame:
         }
         ColorMode::Depth | ColorMode::Cost => return [0.0; 3],
         ColorMode::Semantic => semantic_color(hit.semantic),
+        ColorMode::Face => face_color(hit.semantic),
         ColorMode::Element => element_color(hit.element),
         ColorMode::Room => room_color(hit.room),
         ColorMode::Cell => cell_color(hit.cell),

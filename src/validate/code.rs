@@ -29,6 +29,8 @@ pub enum Code {
     T05,
     /// alpha 3 is free elsewhere than on the hull, or linked on it.
     T06,
+    /// What is known of darts, volumes and faces is not what the map has.
+    T07,
     /// A footprint is not convex.
     G01,
     /// The map is not one of prisms: their parts are not where they say.
@@ -37,6 +39,8 @@ pub enum Code {
     G03,
     /// A vertex is off a plane that it is in.
     G04,
+    /// A face's area is not that of its corners.
+    G05,
     /// A door, window or opening joins fewer than two volumes of air.
     S01,
     /// Air leaks from a room into the open, other than by a door, a window or an opening.
@@ -45,25 +49,30 @@ pub enum Code {
     S03,
     /// A room that nothing joins to anything.
     S04,
+    /// A face is not called what it separates.
+    S05,
 }
 
 impl Code {
     /// All, in order.
-    pub const ALL: [Code; 14] = [
+    pub const ALL: [Code; 17] = [
         Code::T01,
         Code::T02,
         Code::T03,
         Code::T04,
         Code::T05,
         Code::T06,
+        Code::T07,
         Code::G01,
         Code::G02,
         Code::G03,
         Code::G04,
+        Code::G05,
         Code::S01,
         Code::S02,
         Code::S03,
         Code::S04,
+        Code::S05,
     ];
 
     /// The code of this name, as `T01`.
@@ -80,14 +89,17 @@ impl Code {
             Code::T04 => "T04",
             Code::T05 => "T05",
             Code::T06 => "T06",
+            Code::T07 => "T07",
             Code::G01 => "G01",
             Code::G02 => "G02",
             Code::G03 => "G03",
             Code::G04 => "G04",
+            Code::G05 => "G05",
             Code::S01 => "S01",
             Code::S02 => "S02",
             Code::S03 => "S03",
             Code::S04 => "S04",
+            Code::S05 => "S05",
         }
     }
 
@@ -105,7 +117,7 @@ impl Code {
         match self {
             Code::G03 => "m3",
             Code::G04 => "m",
-            Code::S01 | Code::S02 | Code::S03 | Code::S04 => "m2",
+            Code::G05 | Code::S01 | Code::S02 | Code::S03 | Code::S04 | Code::S05 => "m2",
             _ => "",
         }
     }
@@ -119,14 +131,17 @@ impl Code {
             Code::T04 => "a volume is no ball",
             Code::T05 => "the map is not one orientable piece of the right Euler characteristic",
             Code::T06 => "alpha 3 is free within the hull, or linked on it",
+            Code::T07 => "what is known of the map is not what it has",
             Code::G01 => "a footprint is not convex",
             Code::G02 => "a volume is no prism",
             Code::G03 => "volumes do not fill the hull",
             Code::G04 => "a vertex is off its plane",
+            Code::G05 => "a face's area is not that of its corners",
             Code::S01 => "an opening does not join two volumes of air",
             Code::S02 => "a room leaks into the open",
             Code::S03 => "a room has no floor, or no ceiling",
             Code::S04 => "a room has no way out",
+            Code::S05 => "a face is not called what it separates",
         }
     }
 }

@@ -1,16 +1,19 @@
 //! Whether volumes are convex prisms that fill the hull.
 
-use super::{Code, Finding};
+use super::{Code, Finding, known};
 use crate::building::{Building, Volume};
 use crate::lattice::{FINE, Point, orient};
 use crate::partition::cells::Label;
-use crate::partition::six_volume;
+use crate::partition::{check_frame, six_volume};
 use crate::sew::Way;
 
 /// Vertices are f64, and no farther off planes than this by that, lattice steps.
 const ROUNDING: f64 = 1e-3;
 
 pub(super) fn check(building: &Building) -> Vec<Finding> {
+    if let Err(what) = check_frame(&building.lattice, building.hull, &building.planes, false) {
+        return vec![building.finding(Code::G02, None, [0.0; 3], 0.0, what)];
+    }
     let mut findings = Vec::new();
     for volume in &building.volumes {
         let corners = building.footprints.get(volume.footprint.start as usize..volume.footprint.end as usize);
@@ -46,6 +49,7 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
         ));
     }
     findings.extend(off_planes(building));
+    findings.extend(known::areas(building));
     findings
 }
 

@@ -7,6 +7,7 @@
 
 mod code;
 mod geometry;
+mod known;
 mod semantics;
 #[cfg(test)]
 mod tests;
@@ -99,12 +100,19 @@ pub fn validate(building: Building) -> (Option<Validated<Building>>, Report) {
 
 /// All that is not as it should be. What depends on a sound map is not looked at in one that is none.
 pub fn examine(building: &Building) -> Report {
-    let mut findings = topology::check(building);
+    let mut findings = known::numbers(building);
+    if findings.is_empty() {
+        findings = topology::check(building);
+    }
+    if findings.is_empty() {
+        findings.extend(known::darts(building));
+    }
     if findings.is_empty() {
         findings.extend(geometry::check(building));
     }
     if findings.is_empty() {
         findings.extend(semantics::check(building));
+        findings.extend(known::names(building));
     }
     findings.sort_by_key(|finding| finding.code);
     Report { findings }

@@ -27,8 +27,10 @@ pub enum Field {
     Nz,
     /// Index of the element, or -1.
     Element,
-    /// Number of the semantic.
+    /// Number of the element's semantic.
     Semantic,
+    /// Number of the kind of the face of the room or other air in which the ray ended: wallpaper, floor...; of detail, -1.
+    Face,
     /// Index of the material, or -1.
     Material,
     /// Index of the cell, or -1.
@@ -36,6 +38,9 @@ pub enum Field {
     /// Index of the room, or -1.
     Room,
 }
+
+/// Numbers from this on are kinds of faces.
+const FIRST_FACE: u32 = 64;
 
 fn index(i: u32) -> f64 {
     if i == NONE { -1.0 } else { f64::from(i) }
@@ -55,7 +60,12 @@ impl Work<'_> {
             Field::Ny => normal[1],
             Field::Nz => normal[2],
             Field::Element => index(hit.element),
+            // With kinds of faces asked for, hits tell these.
+            Field::Semantic if hit.element != NONE => {
+                f64::from(self.scene.element(hit.element).semantic().number())
+            }
             Field::Semantic => f64::from(hit.semantic),
+            Field::Face => index(Some(hit.semantic).filter(|&number| number >= FIRST_FACE).unwrap_or(NONE)),
             Field::Material => index(hit.material),
             Field::Cell => index(hit.cell),
             Field::Room => index(hit.room),

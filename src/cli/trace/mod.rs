@@ -28,7 +28,7 @@ Examples:
   enfilade trace house.glb --rays rays.npy --out npy -o hits.npy --elements elements.csv
 
 Binary records are little-endian, one row of numbers after the other; output rows hold the fields in the order given,
-all as f64. Semantic numbers are listed in docs/FORMAT.md.")]
+all as f64. Semantic numbers are listed in docs/FORMAT.md, numbers of faces in docs/TOPOLOGY.md.")]
 pub struct Arguments {
     /// The scene (.enf), or a model, which is compiled on the fly.
     scene: PathBuf,
@@ -170,7 +170,9 @@ impl Work<'_> {
         rays: &mut rays::Reader,
         mut write: impl FnMut(&[Hit]) -> std::io::Result<()>,
     ) -> Result<(), StreamError> {
-        let want = if self.fields.contains(&Field::Room) { Want::default() } else { Want::LEAST };
+        let has = |field| self.fields.contains(&field);
+        let want = if has(Field::Room) { Want::default() } else { Want::LEAST };
+        let want = if has(Field::Face) { want.with_face() } else { want };
         let (mut chunk, mut hits): (Vec<Ray>, Vec<Hit>) = (Vec::new(), Vec::new());
         loop {
             chunk.clear();

@@ -1,0 +1,162 @@
+//! Whether what is known of darts, faces and volumes is what the map has.
+
+use super::{Code, Finding};
+use crate::building::{Building, FaceKind};
+use crate::gmap::{Dart, Orbit};
+use crate::partition::cells::{Label, NONE};
+use crate::sew::Way;
+
+/// No more findings are listed than this.
+const MOST: usize = 100;
+
+/// Every number is of something. What follows may index by them; so it comes first.
+pub(super) fn numbers(building: &Building) -> Vec<Finding> {
+    let map = &building.topology.map;
+    let topology = &building.topology;
+    let (volumes, planes) = (building.volumes.len(), building.planes.len());
+    let told = |text: String| vec![building.finding(Code::T07, None, [0.0; 3], 0.0, text)];
+    let lengths = [
+        (topology.vertex_of.len(), map.table_len(), "vertices of darts"),
+        (topology.cell_of.len(), map.table_len(), "volumes of darts"),
+        (building.faces.len(), topology.faces.len(), "names of faces"),
+    ];
+    if let Some((has, needs, what)) = lengths.into_iter().find(|(has, needs, _)| has != needs) {
+        return told(format!("{has} {what}, {needs} needed"));
+    }
+    let is_element = |label: Label| match label {
+        Label::Air(element) | Label::Solid(element) => (element.0 as usize) < building.elements.len(),
+        Label::Exterior | Label::Void => true,
+    };
+    let is_volume = |volume: u32| (volume as usize) < volumes;
+    if let Some(dart) = map.darts().find(|dart| {
+        let vertex = topology.vertex_of[dart.index()] as usize;
+        vertex >= topology.points.len() || !is_volume(topology.cell_of[dart.index()])
+    }) {
+        return told(format!("{dart}: its vertex or its volume is not there"));
+    }
+    if let Some(i) = building.volumes.iter().position(|volume| {
+        let corners = volume.footprint.start as usize..volume.footprint.end as usize;
+        let is_known = (volume.floor as usize) < planes
+            && (volume.ceiling as usize) < planes
+            && building.footprints.get(corners).is_some()
+            && map.contains(volume.dart)
+            && is_element(volume.label);
+        !is_known
+    }) {
+        return told(format!("volume {i}: its label, a plane, a corner or its dart is not there"));
+    }
+    let is_source = |source: u32| source == NONE || (source as usize) < building.sources.len();
+    let wrong = topology.faces.iter().zip(&building.faces).position(|(face, named)| {
+        let lies = match face.way {
+            Way::Ceiling(plane) | Way::Floor(plane) => (plane as usize) < planes,
+            Way::Upright(_) => true,
+        };
+        let is_known = lies
+            && is_volume(face.one)
+            && (face.other == NONE || is_volume(face.other))
+            && map.contains(face.dart)
+            && face.sources.iter().all(|source| is_source(*source))
+            && named.element.is_none_or(|element| (element.0 as usize) < building.elements.len());
+        !is_known
+    });
+    match wrong {
+        Some(i) => {
+            told(format!("face {i}: a volume, its dart, its plane, a surface or its element is not there"))
+        }
+        None => Vec::new(),
+    }
+}
+
+/// The darts of a volume are known to be its own, those of a vertex to be at one place, and a face to be between the two
+/// volumes that it is between. The map is sound.
+pub(super) fn darts(building: &Building) -> Vec<Finding> {
+    let topology = &building.topology;
+    let map = &topology.map;
+    let told = |dart: Dart, text: String| {
+        let at = topology.points[topology.vertex_of[dart.index()] as usize];
+        building.finding(Code::T07, None, building.lattice.metres(at), 0.0, text)
+    };
+    let volumes = map.index(Orbit::Volume);
+    let mut number = vec![NONE; volumes.len()];
+    for (volume, i) in building.volumes.iter().zip(0..) {
+        number[volumes.of(volume.dart) as usize] = i;
+    }
+    let vertices = map.index(Orbit::Vertex);
+    let vertex = |dart: Dart| topology.vertex_of[dart.index()];
+    let wrong = map.darts().filter(|&dart| {
+        let first = vertices.darts()[vertices.of(dart) as usize];
+        topology.cell_of[dart.index()] != number[volumes.of(dart) as usize] || vertex(dart) != vertex(first)
+    });
+    let mut findings: Vec<Finding> = wrong
+        .take(MOST)
+        .map(|dart| told(dart, format!("{dart}: it is not of the volume, or not at the place, that is said")))
+        .collect();
+    let volume = |dart: Dart| number[volumes.of(dart) as usize];
+    let wrong = topology.faces.iter().filter(|face| {
+        let beyond = map.alpha(3, face.dart);
+        let other = if beyond == face.dart { NONE } else { volume(beyond) };
+        (face.one, face.other) != (volume(face.dart), other)
+    });
+    let text =
+        |face: &crate::sew::Sewn| format!("a face is said to be of volumes {} and {}", face.one, face.other);
+    findings.extend(wrong.take(MOST - findings.len()).map(|face| told(face.dart, text(face))));
+    findings
+}
+
+/// Areas are those of the corners, but for roundings.
+pub(super) fn areas(building: &Building) -> Option<Finding> {
+    let step = building.lattice.step();
+    let off = |face: usize| {
+        let own = building.topology.area(building.topology.faces[face].dart) * step * step;
+        let off = (own - building.faces[face].area).abs();
+        // So that no number counts as far off.
+        if off <= 1e-9 * (1.0 + own) { 0.0 } else { off.max(f64::MIN_POSITIVE) }
+    };
+    let (face, off) = (0..building.faces.len())
+        .map(|face| (face, off(face)))
+        .reduce(|worst, next| if next.1 > worst.1 { next } else { worst })?;
+    let text = format!("face {face} is said to have {} m2", building.faces[face].area);
+    let at = building.middle(face as u32).to_array();
+    (off > 0.0).then(|| building.finding(Code::G05, building.faces[face].element, at, off, text))
+}
+
+/// Faces are called what they separate, and are of elements whose surface is there.
+pub(super) fn names(building: &Building) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (number, (sewn, face)) in building.topology.faces.iter().zip(&building.faces).enumerate() {
+        let labels = [sewn.one, sewn.other].map(|volume| building.label(volume));
+        let bare = |kind: FaceKind| face.kind == kind && face.element.is_none() && face.material.is_none();
+        let is_right = match labels {
+            [Some(one), Some(other)] if one.is_air() && other.is_air() => bare(FaceKind::Portal),
+            [Some(one), Some(other)] if !one.is_air() && !other.is_air() => bare(FaceKind::Joint),
+            [Some(one), Some(other)] => {
+                let (air, matter, is_first) =
+                    if one.is_air() { (one, other, true) } else { (other, one, false) };
+                let of = |is_glass| {
+                    let of_matter = face.element.map(|element| building.semantic(Label::Solid(element)));
+                    let part = sewn.way.part(is_first);
+                    FaceKind::of_surface(
+                        building.semantic(air),
+                        of_matter.unwrap_or_default(),
+                        part,
+                        is_glass,
+                    )
+                };
+                // What a material lets through the model knows.
+                let is_kind = face.kind == of(false) || (face.material.is_some() && face.kind == of(true));
+                let source = building.sources.get(sewn.sources[if is_first { 0 } else { 1 }] as usize);
+                let shows =
+                    |element| source.is_some_and(|s| s.triangles.iter().any(|(of, _)| *of == element));
+                is_kind
+                    && face.element.is_none_or(|element| matter == Label::Solid(element) || shows(element))
+            }
+            _ => bare(FaceKind::Horizon),
+        };
+        if !is_right && findings.len() < MOST {
+            let at = building.middle(number as u32).to_array();
+            let text = format!("face {number} is called {}", face.kind.name());
+            findings.push(building.finding(Code::S05, face.element, at, face.area, text));
+        }
+    }
+    findings
+}
