@@ -6,6 +6,9 @@ use crate::generate::{self, HouseOptions, OfficeOptions, Style, TowerOptions, bu
 use crate::lattice::{Point, orient};
 use crate::partition::cells::{Cell, Face as CellFace};
 use crate::partition::{PartitionOptions, partition};
+use crate::sew::Way as Lie;
+use crate::validate::validate;
+use crate::{CompileOptions, compile_building};
 
 fn built(model: &Model) -> Building {
     let (partition, _) = partition(model, &PartitionOptions::default()).unwrap();
@@ -264,4 +267,107 @@ fn every_link_counts() {
     }
     println!("refused {refused:?}, changed {changed:?}");
     assert!(refused.iter().all(|&count| count > 0));
+}
+
+/// What a building knows beside its links, changed in one place: either that is found, or the scene is another.
+#[test]
+fn every_attribute_counts() {
+    type Change<'a> = &'a dyn Fn(&mut Building, usize);
+    let model = house(&bare()).to_model().unwrap();
+    let whole = built(&model);
+    let compiled = |building: Building| {
+        let valid = validate(building).0?;
+        compile_building(&model, valid, &CompileOptions::default()).ok().map(|compiled| compiled.bytes)
+    };
+    let bytes = compiled(whole.clone()).unwrap();
+    let changes: Vec<(&str, Change<'_>)> = vec![
+        ("lattice origin", &|b, _| b.lattice.origin[0] += 1.0),
+        ("lattice turn", &|b, _| b.lattice.turn = [0.8, 0.6]),
+        ("lattice bits", &|b, _| b.lattice.bits -= 1),
+        ("hull", &|b, i| b.hull[i % 2][i / 2 % 3] += 1),
+        ("slope", &|b, i| at(&mut b.planes, i).p += 1 << 10),
+        ("height", &|b, i| at(&mut b.planes, i).r += 1 << 24),
+        ("vertex", &|b, i| *at(&mut b.topology.vertex_of, i) ^= 1),
+        ("cell", &|b, i| *at(&mut b.topology.cell_of, i) ^= 1),
+        ("point", &|b, i| at(&mut b.topology.points, i)[i % 3] += 1.0),
+        ("first side", &|b, i| at(&mut b.topology.faces, i).one ^= 1),
+        ("other side", &|b, i| at(&mut b.topology.faces, i).other ^= 1),
+        ("face's dart", &|b, i| {
+            let dart = at(&mut b.topology.faces, i + 1).dart;
+            at(&mut b.topology.faces, i).dart = dart;
+        }),
+        ("way", &|b, i| match &mut at(&mut b.topology.faces, i).way {
+            Lie::Ceiling(plane) | Lie::Floor(plane) => *plane ^= 1,
+            Lie::Upright(ends) => ends[0].x += 1,
+        }),
+        ("surface", &|b, i| {
+            let source = &mut at(&mut b.topology.faces, i).sources[i % 2];
+            *source = source.wrapping_add(1);
+        }),
+        ("label", &|b, i| {
+            let label = at(&mut b.volumes, i + 1).label;
+            let own = &mut at(&mut b.volumes, i).label;
+            *own = if *own == label { Label::Void } else { label };
+        }),
+        ("floor", &|b, i| at(&mut b.volumes, i).floor ^= 1),
+        ("ceiling", &|b, i| at(&mut b.volumes, i).ceiling ^= 1),
+        ("footprint", &|b, i| at(&mut b.volumes, i).footprint.start += 1),
+        ("volume's dart", &|b, i| {
+            let dart = at(&mut b.volumes, i + 1).dart;
+            at(&mut b.volumes, i).dart = dart;
+        }),
+        ("corner", &|b, i| at(&mut b.footprints, i).x += 1),
+        ("kind", &|b, i| {
+            let kind = &mut at(&mut b.faces, i).kind;
+            *kind = next(*kind);
+        }),
+        ("element", &|b, i| {
+            let element = &mut at(&mut b.faces, i).element;
+            *element = Some(ElementId(element.map_or(0, |element| element.0 ^ 1)));
+        }),
+        ("material", &|b, i| {
+            let material = &mut at(&mut b.faces, i).material;
+            *material = Some(MaterialId(material.map_or(0, |material| material.0 ^ 1)));
+        }),
+        ("area", &|b, i| at(&mut b.faces, i).area += 1e-6),
+        ("triangle", &|b, i| at(&mut b.sources, i).triangles[0].1 ^= 1),
+        ("plane of triangles", &|b, i| {
+            let plane = &mut at(&mut b.sources, i).plane;
+            *plane = plane.map_or(Some(0), |_| None);
+        }),
+        ("detail", &|b, i| at(&mut b.detail, i).1 ^= 1),
+        ("meaning", &|b, i| at(&mut b.elements, i).semantic = Semantic::Annotation),
+        ("name", &|b, i| at(&mut b.elements, i).name.push('x')),
+    ];
+    let mut random = crate::splitmix::SplitMix64::new(8);
+    for (what, change) in changes {
+        let (mut refused, mut changed) = (0, 0);
+        for _ in 0..6 {
+            let mut building = whole.clone();
+            change(&mut building, random.below(1 << 30) as usize);
+            if building == whole {
+                continue;
+            }
+            match compiled(building) {
+                None => refused += 1,
+                Some(other) => {
+                    assert!(other != bytes, "{what}: nobody saw it");
+                    changed += 1;
+                }
+            }
+        }
+        println!("{what}: refused {refused}, changed {changed}");
+        assert!(refused + changed > 0, "{what}");
+    }
+}
+
+/// Another kind.
+fn next(kind: FaceKind) -> FaceKind {
+    FaceKind::from_number(64 + (kind.number() - 63) % 12).unwrap()
+}
+
+/// One of some, the number of which is taken around.
+fn at<T>(items: &mut [T], i: usize) -> &mut T {
+    let count = items.len();
+    &mut items[i % count]
 }

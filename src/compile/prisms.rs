@@ -73,7 +73,12 @@ pub(super) fn add(
         }
         dedup_from(&mut tables.surfaces, first);
         let count = (tables.surfaces.len() - first) as u32;
-        tables.sources.push(SourceRecord { first: first as u32, count, root: NONE, reserved: 0 });
+        let plane = source.plane.map(|plane| {
+            let triangle = source.triangles.get(plane as usize).ok_or("its plane is not there".to_owned());
+            triangle.and_then(|&triangle| scene_triangle(gathered, triangle))
+        });
+        let plane = plane.transpose().map_err(|what| format!("source {i}: {what}"))?.unwrap_or(NONE);
+        tables.sources.push(SourceRecord { first: first as u32, count, root: NONE, plane });
     }
     Ok(Traits(sloped))
 }

@@ -147,6 +147,10 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         ensure(many == (source.root != NONE), "sources", i, || {
             format!("{} triangles, root {:#x}", source.count, source.root)
         })?;
+        let met = v.scene[0].detail_triangles;
+        ensure(source.plane == NONE || source.plane < met, "sources", i, || {
+            format!("plane {}", source.plane)
+        })?;
         items += u64::from(source.count);
         ensure(items <= v.surfaces.len() as u64, "sources", i, || format!("triangles up to {items}"))?;
     }

@@ -249,8 +249,8 @@ pub struct SourceRecord {
     pub count: u32,
     /// The root of a hierarchy over them, as [`CellRecord::root`]; none if they are [`SourceRecord::FEW`] at most.
     pub root: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The triangle in whose plane all of them lie, to a micrometre; or none.
+    pub plane: u32,
 }
 
 impl SourceRecord {
@@ -411,7 +411,7 @@ mod tests {
         assert_eq!(size_of::<CellRecord>(), 96);
         assert_eq!(size_of::<SideRecord>(), 16);
         assert_eq!(size_of::<FaceRecord>(), 16);
-        assert_eq!(size_of::<CoverRecord>(), 8);
+        assert_eq!(size_of::<CoverRecord>(), 12);
         assert_eq!(size_of::<PlaneRecord>(), 24);
         assert_eq!(size_of::<SourceRecord>(), 16);
         assert_eq!(size_of::<MaterialRecord>(), 56);

@@ -190,14 +190,14 @@ impl GMap {
         let volumes = self.index(Orbit::Volume);
         let whole = Shape { vertices: 0, edges: 0, faces: 0, is_closed: true, is_orientable: true };
         let mut shapes: Vec<(Dart, Shape)> = volumes.darts().iter().map(|&dart| (dart, whole)).collect();
-        let counts: [(Orbit, fn(&mut Shape) -> &mut usize); 3] = [
-            (Orbit::VertexOfVolume, |shape| &mut shape.vertices),
-            (Orbit::EdgeOfVolume, |shape| &mut shape.edges),
-            (Orbit::HalfFace, |shape| &mut shape.faces),
-        ];
-        for (orbit, count) in counts {
+        for orbit in [Orbit::VertexOfVolume, Orbit::EdgeOfVolume, Orbit::HalfFace] {
             for &dart in self.index(orbit).darts() {
-                *count(&mut shapes[volumes.of(dart) as usize].1) += 1;
+                let shape = &mut shapes[volumes.of(dart) as usize].1;
+                *match orbit {
+                    Orbit::VertexOfVolume => &mut shape.vertices,
+                    Orbit::EdgeOfVolume => &mut shape.edges,
+                    _ => &mut shape.faces,
+                } += 1;
             }
         }
         for dart in self.darts() {

@@ -56,6 +56,12 @@ impl GMap {
         map
     }
 
+    /// Lets alpha `i` of a dart lead anywhere, and not back.
+    #[cfg(test)]
+    pub(crate) fn break_alpha(&mut self, i: usize, dart: Dart, to: Dart) {
+        self.alpha[i][dart.index()] = to.0;
+    }
+
     /// Adds a dart that is free in all involutions.
     ///
     /// # Panics

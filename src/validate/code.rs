@@ -27,7 +27,7 @@ pub enum Code {
     T04,
     /// The map is not in one piece, not orientable, or has a wrong Euler characteristic.
     T05,
-    /// alpha 3 is free elsewhere than on the hull, or linked on it.
+    /// A face has nothing beyond it by alpha 3, but is between two volumes; or the other way around.
     T06,
     /// What is known of darts, volumes and faces is not what the map has.
     T07,
@@ -130,7 +130,7 @@ impl Code {
             Code::T03 => "a volume is open",
             Code::T04 => "a volume is no ball",
             Code::T05 => "the map is not one orientable piece of the right Euler characteristic",
-            Code::T06 => "alpha 3 is free within the hull, or linked on it",
+            Code::T06 => "a face has nothing beyond it, or what it has not",
             Code::T07 => "what is known of the map is not what it has",
             Code::G01 => "a footprint is not convex",
             Code::G02 => "a volume is no prism",

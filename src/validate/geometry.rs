@@ -3,9 +3,9 @@
 use super::{Code, Finding, known};
 use crate::building::{Building, Volume};
 use crate::lattice::{FINE, Point, orient};
-use crate::partition::cells::Label;
+use crate::partition::cells::{Label, NONE};
 use crate::partition::{check_frame, six_volume};
-use crate::sew::Way;
+use crate::sew::{Sewn, Way};
 
 /// Vertices are f64, and no farther off planes than this by that, lattice steps.
 const ROUNDING: f64 = 1e-3;
@@ -48,6 +48,9 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
             "volumes do not sum to the hull's".to_owned(),
         ));
     }
+    if findings.is_empty() {
+        findings.extend(off_hull(building));
+    }
     findings.extend(off_planes(building));
     findings.extend(known::areas(building));
     findings
@@ -60,6 +63,29 @@ fn is_convex(corners: &[Point]) -> bool {
     count > 2
         && (0..count).all(|i| orient(at(i), at(i + 1), at(i + 2)) > 0)
         && (1..count - 1).all(|i| orient(at(0), at(i), at(i + 1)) > 0)
+}
+
+/// The first face that is on the hull's surface and has something beyond it, or is not and has nothing.
+fn off_hull(building: &Building) -> Option<Finding> {
+    let is_off = |face: &&Sewn| (face.other == NONE) != is_on_hull(building, face.way);
+    let face = building.topology.faces.iter().find(is_off)?;
+    let at = building.topology.points[building.topology.vertex_of[face.dart.index()] as usize];
+    let text = format!("a face of volumes {} and {} is not where the hull ends", face.one, face.other);
+    Some(building.finding(Code::G03, None, building.lattice.metres(at), 0.0, text))
+}
+
+/// Whether a face lies on the hull's surface.
+fn is_on_hull(building: &Building, way: Way) -> bool {
+    let [lo, hi] = building.hull;
+    match way {
+        Way::Ceiling(plane) | Way::Floor(plane) => building.planes.get(plane as usize).is_some_and(|plane| {
+            plane.is_level() && [lo[2], hi[2]].iter().any(|&z| plane.r == i64::from(z) * FINE)
+        }),
+        Way::Upright([a, b]) => (0..2).any(|axis| {
+            let [p, q] = [a, b].map(|p| if axis == 0 { p.x } else { p.y });
+            p == q && (p == lo[axis] || p == hi[axis])
+        }),
+    }
 }
 
 /// The vertex that is farthest off a plane of its faces, if that is farther than heights that were made one lie apart.

@@ -1,11 +1,12 @@
 use enfilade_importers::Semantic;
 
 use super::*;
+use crate::building::FaceKind;
 use crate::generate::{HouseOptions, OfficeOptions, TowerOptions, build1, house, random, tower};
 use crate::importers::Model;
 use crate::lattice::FINE;
 use crate::oracle::fixtures::{Shape, model};
-use crate::partition::cells::Label;
+use crate::partition::cells::{Label, NONE};
 use crate::partition::{PartitionOptions, partition};
 use crate::sew::Way;
 
@@ -118,54 +119,91 @@ fn rooms_have_ways_out() {
     assert_eq!(codes(room(&[filled(Semantic::Window, HOLE)], true)), []);
 }
 
+/// What breaks the map or its places is told by its code; what nearly does is not.
 #[test]
-fn what_the_map_breaks_is_told() {
-    let whole = room(&[filled(Semantic::Door, HOLE)], true);
-    let first =
-        |building: &Building| building.topology.faces.iter().position(|face| face.other != u32::MAX).unwrap();
+fn what_is_broken_is_told() {
+    let mut boxes = vec![filled(Semantic::Door, HOLE)];
+    // Around a column air is a ring, but no volume of it is.
+    boxes.push((Semantic::Column, [2.0, 1.0, 0.0], [2.3, 1.3, 2.5]));
+    let whole = room(&boxes, true);
     let broken = |change: &dyn Fn(&mut Building)| {
         let mut building = whole.clone();
         change(&mut building);
-        codes(building)
+        let mut codes = codes(building);
+        codes.dedup();
+        codes
     };
-    let face = whole.topology.faces[first(&whole)];
     assert_eq!(broken(&|_| ()), []);
-    assert!(broken(&|b| b.topology.map.unlink(1, face.dart)).contains(&Code::T02));
-    assert!(broken(&|b| b.topology.map.unlink(1, face.dart)).contains(&Code::T03));
-    assert_eq!(
-        broken(&|b| {
-            b.topology.map.unsew(3, face.dart).unwrap();
-        }),
-        [Code::T06]
-    );
-    assert!(
-        broken(&|b| {
-            b.topology.map.unsew(2, face.dart).unwrap();
-        })
-        .contains(&Code::T03)
-    );
-    // A volume that is not known.
-    assert!(broken(&|b| b.volumes.truncate(b.volumes.len() - 1)).contains(&Code::T05));
+    let place = whole.topology.faces.iter().position(|face| face.other != NONE).unwrap();
+    let face = whole.topology.faces[place];
+    let beyond = whole.topology.map.alpha(3, face.dart);
+
+    // What leads to itself is an involution, what does not lead back is none.
+    assert_eq!(broken(&|b| b.topology.map.break_alpha(3, face.dart, face.dart)), [Code::T01, Code::T02]);
+    let hull = whole.topology.faces.iter().find(|face| face.other == NONE).unwrap();
+    assert_eq!(broken(&|b| b.topology.map.break_alpha(3, hull.dart, hull.dart)), []);
+
+    // A link of one dart, and of all of a face.
+    assert_eq!(broken(&|b| b.topology.map.unlink(3, face.dart)), [Code::T02]);
+    let unsewn = |i: usize| broken(&|b| assert!(b.topology.map.unsew(i, face.dart).is_ok()));
+    assert_eq!(unsewn(3), [Code::T06]);
+    assert_eq!(unsewn(2), [Code::T03]);
+
+    // Two edges of a volume, sewn crosswise: its surface is no longer one of a ball.
+    let crossed = broken(&|b| {
+        let map = &mut b.topology.map;
+        let far = map.walk(face.dart, &[0, 1, 0, 1]);
+        let others = [face.dart, far].map(|dart| map.alpha(2, dart));
+        for dart in [face.dart, far] {
+            map.unsew(2, dart).unwrap();
+        }
+        map.sew(2, face.dart, far).unwrap();
+        map.sew(2, others[0], others[1]).unwrap();
+    });
+    assert!(crossed.contains(&Code::T04), "{crossed:?}");
+
+    // A volume twice; the order of volumes does not matter to the map.
+    assert_eq!(broken(&|b| b.volumes.push(b.volumes[0].clone())), [Code::T05]);
+
+    // A dart of another volume, and another dart of the same side of a face.
+    assert_eq!(broken(&|b| b.topology.cell_of[face.dart.index()] = face.other), [Code::T07]);
+    assert_eq!(broken(&|b| b.topology.faces[place].dart = beyond), [Code::T07]);
+    assert_eq!(broken(&|b| b.volumes.truncate(b.volumes.len() - 1)), [Code::T07]);
+    let next = whole.topology.map.walk(face.dart, &[0, 1]);
+    assert_eq!(broken(&|b| b.topology.faces[place].dart = next), []);
+
+    // Corners that change places; corners from another one on.
     let corners = whole.volumes[0].footprint.clone();
     let [a, b] = [corners.start as usize, corners.start as usize + 1];
     assert_eq!(broken(&|building| building.footprints.swap(a, b)), [Code::G01]);
+    assert_eq!(broken(&|building| building.footprints[a..corners.end as usize].rotate_left(1)), []);
+
     // Convex, but not where the map has its corners.
     assert_eq!(broken(&|building| building.footprints[a].x -= 1), [Code::G02]);
-    let floor = whole.volumes[0].floor;
     assert_eq!(broken(&|b| b.volumes[0].floor = b.volumes[0].ceiling), [Code::G02]);
-    // A plane that is moved by a step takes no vertices along; the hull's own would be none of the hull's.
-    let inner = (0..whole.planes.len() as u32).find(|plane| {
-        *plane != floor
-            && whole
-                .topology
-                .faces
-                .iter()
-                .all(|face| face.other != u32::MAX || face.way != Way::Ceiling(*plane))
-    });
-    let inner = inner.unwrap() as usize;
+    assert_eq!(broken(&|b| b.lattice.bits = 60), [Code::G02]);
+
+    assert_eq!(broken(&|b| b.hull[1][0] += 1), [Code::G03]);
+
+    // A plane that is moved takes no vertices along; the hull's own would be none of the hull's.
+    let of_hull = |plane: u32| {
+        let ways = [Way::Ceiling(plane), Way::Floor(plane)];
+        whole.topology.faces.iter().any(|face| face.other == NONE && ways.contains(&face.way))
+    };
+    let inner = (0..whole.planes.len() as u32).find(|plane| !of_hull(*plane)).unwrap() as usize;
     assert_eq!(broken(&|b| b.planes[inner].r += FINE), [Code::G04]);
     assert_eq!(broken(&|b| b.planes[inner].r += FINE / 10_000), []);
-    assert!(broken(&|b| b.topology.points[0][2] += 0.5).contains(&Code::G04));
+    assert_eq!(broken(&|b| b.topology.points[0][2] += 0.5)[0], Code::G04);
+
+    assert_eq!(broken(&|b| b.faces[place].area += 1e-6), [Code::G05]);
+    assert_eq!(broken(&|b| b.faces[place].area += 1e-12), []);
+
+    // Any material may be glass: only the model knows.
+    let wall = whole.faces.iter().position(|face| face.kind == FaceKind::Wallpaper).unwrap();
+    assert_eq!(broken(&|b| b.faces[wall].kind = FaceKind::Facade), [Code::S05]);
+    assert_eq!(broken(&|b| b.faces[wall].kind = FaceKind::Pane), []);
+    assert_eq!(broken(&|b| b.faces[wall].element = None), []);
+    assert_eq!(broken(&|b| b.faces[wall].element = Some(ElementId(0))), [Code::S05]);
 }
 
 /// The room has a niche that no label names; so has another, which stands in the open. These two have nothing to do with each other.

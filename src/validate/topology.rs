@@ -3,9 +3,7 @@
 use super::{Code, Finding};
 use crate::building::Building;
 use crate::gmap::{Dart, Defect, Orbit};
-use crate::lattice::FINE;
 use crate::partition::cells::{Label, NONE};
-use crate::sew::Way;
 
 /// No more findings of one code are listed than this.
 const MOST: usize = 100;
@@ -60,27 +58,11 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
             findings.push(finding(Code::T05, dart, text));
         }
     }
-    let wrong = building.topology.faces.iter().filter(|face| {
-        let is_free = map.is_free(3, face.dart);
-        is_free != (face.other == NONE) || is_free != is_on_hull(building, face.way)
-    });
+    let wrong =
+        building.topology.faces.iter().filter(|face| map.is_free(3, face.dart) != (face.other == NONE));
     findings.extend(wrong.take(MOST).map(|face| {
         let text = format!("{}: a face of volumes {} and {}", face.dart, face.one, face.other);
         finding(Code::T06, face.dart, text)
     }));
     findings
-}
-
-/// Whether a face lies on the hull's surface.
-fn is_on_hull(building: &Building, way: Way) -> bool {
-    let [lo, hi] = building.hull;
-    match way {
-        Way::Ceiling(plane) | Way::Floor(plane) => building.planes.get(plane as usize).is_some_and(|plane| {
-            plane.is_level() && [lo[2], hi[2]].iter().any(|&z| plane.r == i64::from(z) * FINE)
-        }),
-        Way::Upright([a, b]) => (0..2).any(|axis| {
-            let [p, q] = [a, b].map(|p| if axis == 0 { p.x } else { p.y });
-            p == q && (p == lo[axis] || p == hi[axis])
-        }),
-    }
 }
