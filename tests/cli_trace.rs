@@ -191,6 +191,13 @@ fn fields_come_in_the_order_asked_for() {
     assert!(same(&rows, &picked));
     let ran = folder.run_with(&["trace", "house.enf", "--rays", "-"], text(&rays).as_bytes()).expect(0);
     assert_eq!(parse(ran.text()).0.join(","), "t,x,y,z,nx,ny,nz,element,semantic,cell,room");
+    // Kinds of faces beside meanings of elements, which stay as they are.
+    let trace = ["trace", "house.enf", "--rays", "-", "--fields", "face,semantic"];
+    let (_, rows) = parse(folder.run_with(&trace, text(&rays).as_bytes()).expect(0).text());
+    assert!(rows.iter().zip(&expected).all(|(row, all)| row[1] == all[8]));
+    let (faces, others): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| row[0]).partition(|face| *face >= 64.0);
+    assert!(faces.len() > 5 && faces.iter().all(|face| *face <= 72.0), "{faces:?}");
+    assert!(!others.is_empty() && others.iter().all(|face| *face == -1.0));
 }
 
 #[test]
