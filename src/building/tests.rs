@@ -2,7 +2,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::*;
-use crate::generate::{self, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower};
+use crate::generate::{
+    self, HouseOptions, OfficeOptions, Style, TowerOptions, build1, build2, build3, house, random, tower,
+};
 use crate::lattice::{Point, orient};
 use crate::partition::cells::{Cell, Face as CellFace};
 use crate::partition::{PartitionOptions, partition};
@@ -78,6 +80,16 @@ fn faces_of_a_house_are_as_drawn() {
 #[test]
 fn faces_of_an_office_are_as_drawn() {
     check("build1", &build1(&plain(0)));
+}
+
+#[test]
+fn faces_of_a_larger_office_are_as_drawn() {
+    check("build2", &build2(&plain(0)));
+}
+
+#[test]
+fn faces_of_the_largest_office_are_as_drawn() {
+    check("build3", &build3(&plain(0)));
 }
 
 #[test]
