@@ -146,7 +146,7 @@ pub fn semantic_color(number: u32) -> [f32; 3] {
 }
 
 /// The colour of each kind of face that rays meet, by its number, sRGB.
-const FACES: [(u32, &str, [u8; 3]); 8] = [
+const FACES: [(u32, &str, [u8; 3]); 9] = [
     (65, "WALLPAPER", [240, 228, 190]),
     (66, "FACADE", [214, 160, 122]),
     (67, "GATE_POST", [150, 90, 160]),
@@ -155,6 +155,7 @@ const FACES: [(u32, &str, [u8; 3]); 8] = [
     (70, "TERRAIN", [120, 170, 60]),
     (71, "ROOFING", [178, 66, 40]),
     (72, "PANE", [70, 200, 235]),
+    (74, "LINING", [105, 105, 118]),
 ];
 
 /// The colour of the kind of face with this number, linear RGB; of numbers that are none, as [`semantic_color`] gives.
@@ -270,6 +271,24 @@ mod tests {
             for b in &legend[..i] {
                 let d = distance(linear(a.1), linear(b.1));
                 assert!(d > 0.05, "{} and {}: {d}", a.0, b.0);
+            }
+        }
+    }
+
+    #[cfg(feature = "compile")]
+    #[test]
+    fn faces_can_be_told_apart() {
+        use crate::building::FaceKind;
+        let legend: Vec<_> = face_legend().collect();
+        for kind in FaceKind::ALL {
+            let is_met = !matches!(kind, FaceKind::Portal | FaceKind::Horizon | FaceKind::Joint);
+            let row = legend.iter().find(|row| row.0 == kind.number());
+            assert_eq!(row.map(|row| row.1), is_met.then(|| kind.name()));
+        }
+        for (i, a) in legend.iter().enumerate() {
+            for b in &legend[..i] {
+                let d = distance(linear(a.2), linear(b.2));
+                assert!(d > 0.05, "{} and {}: {d}", a.1, b.1);
             }
         }
     }
