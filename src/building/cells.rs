@@ -5,10 +5,13 @@
 //! it; what lies beyond a face is the volume of alpha 3. This is the inverse of [`sew`](crate::sew::sew), but for parts of sides
 //! that have no height, which are no faces.
 
+use std::cell::Cell;
+use std::collections::HashMap;
+
 use super::{Building, FaceKind, Volume};
 use crate::gmap::Dart;
 use crate::lattice::{Point, orient};
-use crate::partition::cells::{Cell, Cover, Face, NONE, Partition, Section};
+use crate::partition::cells::{Cell as Prism, Cover, Face, NONE, Partition, Section};
 use crate::sew::{Part, Way as Lie};
 
 /// The map of a building does not have the form of cells.
@@ -88,9 +91,20 @@ struct Reader<'a> {
     /// By volume: where its sides start in `sides`.
     starts: Vec<u32>,
     sides: Vec<Side>,
+    /// How much work is left that may grow faster than the map.
+    left: Cell<u64>,
 }
 
+/// Spans of an edge that are looked at for each dart of the map, and on top: real buildings have less than one.
+const WORK: [u64; 2] = [256, 1 << 22];
+
 impl<'a> Reader<'a> {
+    fn spend(&self, work: u64) -> Result<(), &'static str> {
+        let left = self.left.get().checked_sub(work).ok_or("its sides have too many parts")?;
+        self.left.set(left);
+        Ok(())
+    }
+
     fn new(building: &'a Building) -> Result<Reader<'a>, CellsError> {
         let map = &building.topology.map;
         if building.faces.len() != building.topology.faces.len() {
@@ -152,7 +166,8 @@ impl<'a> Reader<'a> {
             starts[volume + 1] += starts[volume];
         }
         let sides = sides.into_iter().map(|(_, side)| side).collect();
-        Ok(Reader { building, volume_of, face_of, starts, sides })
+        let left = Cell::new(WORK[0] * map.len() as u64 + WORK[1]);
+        Ok(Reader { building, volume_of, face_of, starts, sides, left })
     }
 
     /// Adds a cell and all that it is made of.
@@ -192,7 +207,7 @@ impl<'a> Reader<'a> {
         };
         let below = covers(Part::Floor, volume.floor)?;
         let above = covers(Part::Ceiling, volume.ceiling)?;
-        partition.cells.push(Cell {
+        partition.cells.push(Prism {
             label: volume.label,
             floor: volume.floor,
             ceiling: volume.ceiling,
@@ -212,7 +227,17 @@ impl<'a> Reader<'a> {
             (0..corners.len()).map(|i| Edge::new([corners[i], corners[ahead(i)]])).collect();
         // The walk comes by all corners, one after the other; it may go either way around.
         let mut walked = self.walk(own)?;
-        let corner = |dart: Dart| corners.iter().position(|corner| self.is_over(dart, *corner));
+        let places: HashMap<[u64; 2], usize> = corners
+            .iter()
+            .zip(0..)
+            .map(|(p, i)| ([f64::from(p.x), f64::from(p.y)].map(f64::to_bits), i))
+            .collect();
+        let corner = |dart: Dart| {
+            let topology = &self.building.topology;
+            let [x, y, _] = topology.points[topology.vertex_of[dart.index()] as usize];
+            // Not -0.
+            places.get(&[x + 0.0, y + 0.0].map(f64::to_bits)).copied()
+        };
         let start = walked.iter().position(|&dart| corner(dart) == Some(0)).ok_or("it misses a corner")?;
         walked.rotate_left(start);
         let mut passed: Vec<usize> = walked.iter().filter_map(|&dart| corner(dart)).collect();
@@ -238,22 +263,18 @@ impl<'a> Reader<'a> {
                 edges[at].closed.push(([0, 1].map(|axis| (middle[0][axis] + middle[1][axis]) / 2.0), over));
             }
         }
+        // No two edges of a convex polygon go the same way.
+        let by_way: HashMap<[i64; 2], usize> =
+            edges.iter().zip(0..).map(|(edge, i)| (lowest_terms(edge.ends), i)).collect();
         for side in own {
             if let Lie::Upright(ends) = self.lie(side.face) {
                 let ends = if side.is_first { ends } else { [ends[1], ends[0]] };
-                let edge =
-                    edges.iter_mut().find(|edge| edge.holds(ends)).ok_or("a side stands on no edge")?;
+                let edge = by_way.get(&lowest_terms(ends)).map(|&i| &mut edges[i]);
+                let edge = edge.filter(|edge| edge.holds(ends)).ok_or("a side stands on no edge")?;
                 edge.spans.push((ends, *side));
             }
         }
         Ok(edges)
-    }
-
-    /// Whether the vertex of a dart is over a point of the plan.
-    fn is_over(&self, dart: Dart, p: Point) -> bool {
-        let topology = &self.building.topology;
-        let [x, y, _] = topology.points[topology.vertex_of[dart.index()] as usize];
-        x == f64::from(p.x) && y == f64::from(p.y)
     }
 
     /// The edges of the floor's border in turn, each as the dart at its start in the floor.
@@ -320,6 +341,16 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// From one point to another, in lowest terms.
+fn lowest_terms([a, b]: [Point; 2]) -> [i64; 2] {
+    let way = [i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y)];
+    let (mut common, mut rest) = (way[0].abs(), way[1].abs());
+    while rest != 0 {
+        (common, rest) = (rest, common % rest);
+    }
+    way.map(|c| c / common.max(1))
+}
+
 /// An edge of a footprint, the volume on its left.
 #[derive(Clone, Debug)]
 struct Edge {
@@ -355,6 +386,8 @@ impl Edge {
 
     /// Its parts from its start to its end, each with what lies beyond it from the floor up.
     fn pieces(&self, reader: &Reader<'_>) -> Result<Vec<(Point, Vec<Named>)>, &'static str> {
+        // Every span is looked at for every piece: a map that somebody made up must not take for ever.
+        reader.spend((self.spans.len() as u64 + 1).pow(2))?;
         let mut points: Vec<Point> = self.spans.iter().flat_map(|span| span.0).chain(self.ends).collect();
         points.sort_unstable_by_key(|&p| self.along(p));
         points.dedup();

@@ -103,6 +103,13 @@ impl FaceKind {
 mod tests {
     use super::*;
 
+    /// A file with another kind is refused.
+    #[test]
+    fn numbers_are_those_of_files() {
+        let numbers: Vec<u32> = FaceKind::ALL.iter().map(|kind| kind.number()).collect();
+        assert_eq!(numbers, (64..=75).collect::<Vec<_>>());
+    }
+
     #[test]
     fn faces_are_called_by_what_they_separate() {
         use FaceKind::*;

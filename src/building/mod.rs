@@ -177,7 +177,7 @@ impl Building {
             labels: BTreeMap::new(),
         };
         building.faces = building.named(model);
-        building.gather();
+        building.labels = building.gathered();
         Ok(building)
     }
 
@@ -267,8 +267,13 @@ impl Building {
         Face { kind, element, material, area }
     }
 
-    /// Fills `labels`.
-    fn gather(&mut self) {
+    /// Whether what is kept by label is that of the volumes and faces.
+    pub(crate) fn is_gathered(&self) -> bool {
+        self.labels == self.gathered()
+    }
+
+    /// What bears each label.
+    fn gathered(&self) -> BTreeMap<Label, Extent> {
         let mut labels: BTreeMap<Label, Extent> = BTreeMap::new();
         for (volume, number) in self.volumes.iter().zip(0..) {
             labels.entry(volume.label).or_default().volumes.push(number);
@@ -281,6 +286,6 @@ impl Building {
                 }
             }
         }
-        self.labels = labels;
+        labels
     }
 }

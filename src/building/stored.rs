@@ -140,7 +140,7 @@ impl Scene {
         });
         let triangle = |&[element, triangle]: &MapTriangle| (ElementId(element), triangle);
         let sources = map.mapsources.iter().map(|source| Source {
-            triangles: map.maptriangles[source.first as usize..(source.first + source.count) as usize]
+            triangles: map.maptriangles[source.first as usize..][..source.count as usize]
                 .iter()
                 .map(triangle)
                 .collect(),
@@ -182,7 +182,7 @@ impl Scene {
                 map: gmap,
             },
         };
-        building.gather();
+        building.labels = building.gathered();
         Some(building)
     }
 

@@ -17,7 +17,8 @@ use super::output;
 
 /// Check a building: openings that join nothing, rooms that leak, without a floor or a way out; and its map.
 ///
-/// A model, or a scene that was compiled with `--topology`: both give the same. Ends with exit code 1 on any finding.
+/// A model, or a scene that was compiled with `--topology`: both give the same, but options for reading models say nothing about a
+/// scene. Ends with exit code 1 on any finding.
 /// docs/VALIDATION.md tells what each code means.
 #[derive(Args)]
 #[command(

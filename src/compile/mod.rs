@@ -138,7 +138,8 @@ pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, Comp
         Err(failed) => failed.to_string(),
     };
     let mut compiled = compile_tables(model, &whole(), None, options)?;
-    compiled.report.warnings.push(format!("the scene has no cells, and rays are slower: {failed}"));
+    let map = if options.topology { ", and keeps no map" } else { "" };
+    compiled.report.warnings.push(format!("the scene has no cells, and rays are slower{map}: {failed}"));
     Ok(compiled)
 }
 

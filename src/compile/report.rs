@@ -58,7 +58,7 @@ pub struct Report {
     pub hierarchy_depth: u32,
     /// How the space was cut into cells, places in the source's own frame; `None` if it is one cell.
     pub partition: Option<PartitionReport>,
-    /// What validation found, by code; `enfilade validate` tells where.
+    /// What validation found, by code; `enfilade validate` tells where. Empty for a building that its caller has validated.
     pub findings: BTreeMap<&'static str, u64>,
     /// What the user should know.
     pub warnings: Vec<String>,

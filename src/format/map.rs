@@ -181,7 +181,7 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
         ensure(ok, "mapfaces", i, || "a volume or its dart is not there".to_owned())?;
         let ok = match face.way {
             MapFaceRecord::CEILING | MapFaceRecord::FLOOR => {
-                usize::try_from(face.place[0]).is_ok_and(|plane| plane < planes)
+                usize::try_from(face.place[0]).is_ok_and(|plane| plane < planes) && face.place[1..] == [0; 3]
             }
             MapFaceRecord::UPRIGHT => face.place.iter().all(|&c| fits(c)),
             _ => false,
@@ -195,6 +195,7 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
             && face.area.is_finite();
         ensure(ok, "mapfaces", i, || format!("{face:?} refers to what is not there"))?;
     }
+    ensure(corners == map.mapcorners.len() as u64, "mapcorners", 0, || "corners are left over".to_owned())?;
     let mut first = 0u64;
     for (i, source) in map.mapsources.iter().enumerate() {
         let follows = u64::from(source.first) == first;
@@ -205,6 +206,8 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
             && (source.plane == NONE || source.plane < source.count);
         ensure(ok, "mapsources", i, || "its triangles are not there".to_owned())?;
     }
+    let all = first == map.maptriangles.len() as u64;
+    ensure(all, "maptriangles", 0, || "triangles are left over".to_owned())?;
     for (section, triangles) in [("maptriangles", &map.maptriangles), ("mapdetail", &map.mapdetail)] {
         if let Some(i) = triangles.iter().position(|[element, _]| *element as usize >= v.elements.len()) {
             ensure(false, section, i, || "its element is not there".to_owned())?;

@@ -147,12 +147,11 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         ensure(many == (source.root != NONE), "sources", i, || {
             format!("{} triangles, root {:#x}", source.count, source.root)
         })?;
-        let met = v.scene[0].detail_triangles;
-        ensure(source.plane == NONE || source.plane < met, "sources", i, || {
-            format!("plane {}", source.plane)
-        })?;
         items += u64::from(source.count);
         ensure(items <= v.surfaces.len() as u64, "sources", i, || format!("triangles up to {items}"))?;
+        let own = &v.surfaces[source.first as usize..items as usize];
+        let is_own = source.plane == NONE || own.contains(&source.plane);
+        ensure(is_own, "sources", i, || format!("the plane of triangle {}", source.plane))?;
     }
     let last = v.sources.len().saturating_sub(1);
     ensure(items == v.surfaces.len() as u64, "sources", last, || "triangles are left over".to_owned())?;

@@ -206,8 +206,8 @@ impl Views {
         let storage = Arc::new(storage);
         let table = container::read_table(storage.bytes())?;
         for entry in &table {
-            let names = [Views::NAMES, MapViews::NAMES].concat();
-            let known = names.contains(&entry.name().as_str());
+            let name = entry.name();
+            let known = [Views::NAMES, MapViews::NAMES].iter().any(|names| names.contains(&name.as_str()));
             if !known && entry.flags & SectionEntry::REQUIRED != 0 {
                 return Err(FormatError::Unknown(entry.name()));
             }

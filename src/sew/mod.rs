@@ -125,7 +125,8 @@ pub enum TopologyError {
 /// [`TopologyError`]: the cells' surfaces are not closed.
 ///
 /// # Panics
-/// If an index in the partition is out of range: none is in what [`partition`](crate::partition::partition) makes.
+/// If an index in the partition is out of range: none is in what [`partition`](crate::partition::partition) makes, and
+/// [`Partition::check`] tells of others.
 pub fn sew(partition: &Partition) -> Result<Topology, TopologyError> {
     let (levels, borders) = (faces::levels(partition), faces::borders(partition));
     let mut seen = HashSet::new();

@@ -124,7 +124,8 @@ impl<'a> Prisms<'a> {
         &self.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize]
     }
 
-    /// The number of the kind of the face that a triangle is part of, if it is one of the cell's own surface.
+    /// The number of the kind of the first face, of sides and then of floor and ceiling, that a triangle is part of, if it is one of
+    /// the cell's own surface.
     pub(super) fn kind(&self, cell: u32, triangle: u32) -> Option<u32> {
         let cell = &self.cells[cell as usize];
         let holds = |source: u32| {

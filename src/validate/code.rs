@@ -130,7 +130,7 @@ impl Code {
             Code::T03 => "a volume is open",
             Code::T04 => "a volume is no ball",
             Code::T05 => "the map is not one orientable piece of the right Euler characteristic",
-            Code::T06 => "a face has nothing beyond it, or what it has not",
+            Code::T06 => "alpha 3 of a face is free, but it is between two volumes; or the other way around",
             Code::T07 => "what is known of the map is not what it has",
             Code::G01 => "a footprint is not convex",
             Code::G02 => "a volume is no prism",

@@ -4,16 +4,16 @@ use super::{Code, Finding, known};
 use crate::building::{Building, Volume};
 use crate::lattice::{FINE, Point, orient};
 use crate::partition::cells::{Label, NONE};
-use crate::partition::{check_frame, six_volume};
+use crate::partition::six_volume;
 use crate::sew::{Sewn, Way};
 
 /// Vertices are f64, and no farther off planes than this by that, lattice steps.
 const ROUNDING: f64 = 1e-3;
 
+/// Heights that were made one are no farther apart than this, whatever a file says, metres: faces are moved by as much.
+const JOINED: f64 = 2e-3;
+
 pub(super) fn check(building: &Building) -> Vec<Finding> {
-    if let Err(what) = check_frame(&building.lattice, building.hull, &building.planes, false) {
-        return vec![building.finding(Code::G02, None, [0.0; 3], 0.0, what)];
-    }
     let mut findings = Vec::new();
     for volume in &building.volumes {
         let corners = building.footprints.get(volume.footprint.start as usize..volume.footprint.end as usize);
@@ -27,11 +27,12 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
     let cells = match building.cells() {
         Ok(cells) => cells,
         Err(error) => {
-            let volume = building.volumes.get(error.volume as usize).or(building.volumes.first());
-            return volume
-                .map(|volume| about(building, volume, Code::G02, error.to_string()))
-                .into_iter()
-                .collect();
+            let text = error.to_string();
+            let volume = building.volumes.get(error.volume as usize);
+            return vec![match volume {
+                Some(volume) => about(building, volume, Code::G02, text),
+                None => building.finding(Code::G02, None, [0.0; 3], 0.0, text),
+            }];
         }
     };
     let sum: i128 = cells.cells.iter().map(|cell| six_volume(&cells, cell)).sum();
@@ -91,6 +92,7 @@ fn is_on_hull(building: &Building, way: Way) -> bool {
 /// The vertex that is farthest off a plane of its faces, if that is farther than heights that were made one lie apart.
 fn off_planes(building: &Building) -> Option<Finding> {
     let topology = &building.topology;
+    let joined = topology.joined.1.min(building.lattice.steps(JOINED));
     let mut worst = (ROUNDING, None);
     for face in &topology.faces {
         for dart in topology.map.around_face(face.dart) {
@@ -98,7 +100,7 @@ fn off_planes(building: &Building) -> Option<Finding> {
             let off = match face.way {
                 Way::Ceiling(plane) | Way::Floor(plane) => {
                     let plane = &building.planes[plane as usize];
-                    (at[2] - plane.height_f64(at[0], at[1])).abs() - topology.joined.1
+                    (at[2] - plane.height_f64(at[0], at[1])).abs() - joined
                 }
                 Way::Upright([a, b]) => {
                     let [dx, dy] = [f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y)];

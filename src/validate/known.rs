@@ -1,20 +1,36 @@
 //! Whether what is known of darts, faces and volumes is what the map has.
 
+use std::collections::HashSet;
+
+use enfilade_importers::ElementId;
+
 use super::{Code, Finding};
 use crate::building::{Building, FaceKind};
 use crate::gmap::{Dart, Orbit};
+use crate::lattice::{LARGEST, Point};
 use crate::partition::cells::{Label, NONE};
+use crate::partition::check_frame;
 use crate::sew::Way;
 
 /// No more findings are listed than this.
 const MOST: usize = 100;
 
-/// Every number is of something. What follows may index by them; so it comes first.
+/// The lattice is one, tables are as long as they must be, and every number of a volume, a dart or a face is of something. What
+/// follows computes with them; so it comes first.
 pub(super) fn numbers(building: &Building) -> Vec<Finding> {
     let map = &building.topology.map;
     let topology = &building.topology;
     let (volumes, planes) = (building.volumes.len(), building.planes.len());
-    let told = |text: String| vec![building.finding(Code::T07, None, [0.0; 3], 0.0, text)];
+    // Without a lattice there are no metres.
+    let finding = |code, text| vec![building.finding(code, None, [0.0; 3], 0.0, text)];
+    if let Err(what) = check_frame(&building.lattice, building.hull, &building.planes, false) {
+        return finding(Code::G02, what);
+    }
+    let told = |text: String| finding(Code::T07, text);
+    let is_beyond = |p: &Point| [p.x, p.y].iter().any(|c| c.unsigned_abs() > LARGEST as u32);
+    if building.footprints.iter().any(is_beyond) {
+        return told("a corner is beyond the lattice".to_owned());
+    }
     let lengths = [
         (topology.vertex_of.len(), map.table_len(), "vertices of darts"),
         (topology.cell_of.len(), map.table_len(), "volumes of darts"),
@@ -49,7 +65,7 @@ pub(super) fn numbers(building: &Building) -> Vec<Finding> {
     let wrong = topology.faces.iter().zip(&building.faces).position(|(face, named)| {
         let lies = match face.way {
             Way::Ceiling(plane) | Way::Floor(plane) => (plane as usize) < planes,
-            Way::Upright(_) => true,
+            Way::Upright(ends) => !ends.iter().any(is_beyond) && ends[0] != ends[1],
         };
         let is_known = lies
             && is_volume(face.one)
@@ -76,6 +92,10 @@ pub(super) fn darts(building: &Building) -> Vec<Finding> {
         let at = topology.points[topology.vertex_of[dart.index()] as usize];
         building.finding(Code::T07, None, building.lattice.metres(at), 0.0, text)
     };
+    if !building.is_gathered() {
+        let text = "volumes and faces by label are not those there are".to_owned();
+        return vec![building.finding(Code::T07, None, [0.0; 3], 0.0, text)];
+    }
     let volumes = map.index(Orbit::Volume);
     let mut number = vec![NONE; volumes.len()];
     for (volume, i) in building.volumes.iter().zip(0..) {
@@ -122,6 +142,10 @@ pub(super) fn areas(building: &Building) -> Option<Finding> {
 
 /// Faces are called what they separate, and are of elements whose surface is there.
 pub(super) fn names(building: &Building) -> Vec<Finding> {
+    let sources = building.sources.iter().zip(0u32..);
+    let shown: HashSet<(u32, ElementId)> = sources
+        .flat_map(|(source, i)| source.triangles.iter().map(move |triangle| (i, triangle.0)))
+        .collect();
     let mut findings = Vec::new();
     for (number, (sewn, face)) in building.topology.faces.iter().zip(&building.faces).enumerate() {
         let labels = [sewn.one, sewn.other].map(|volume| building.label(volume));
@@ -144,9 +168,8 @@ pub(super) fn names(building: &Building) -> Vec<Finding> {
                 };
                 // What a material lets through the model knows.
                 let is_kind = face.kind == of(false) || (face.material.is_some() && face.kind == of(true));
-                let source = building.sources.get(sewn.sources[if is_first { 0 } else { 1 }] as usize);
-                let shows =
-                    |element| source.is_some_and(|s| s.triangles.iter().any(|(of, _)| *of == element));
+                let source = sewn.sources[if is_first { 0 } else { 1 }];
+                let shows = |element| shown.contains(&(source, element));
                 is_kind
                     && face.element.is_none_or(|element| matter == Label::Solid(element) || shows(element))
             }

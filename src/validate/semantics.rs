@@ -12,6 +12,9 @@ use crate::partition::cells::Label;
 /// Portals smaller than this are none, m2: what rounding leaves open.
 const LEAST: f64 = 1e-4;
 
+/// Of a longer chain only so much is told.
+const LONGEST: usize = 100;
+
 pub(super) fn check(building: &Building) -> Vec<Finding> {
     let portals = Portals::of(building);
     let mut findings = Vec::new();
@@ -79,7 +82,11 @@ fn leaks(building: &Building, portals: &Portals) -> Vec<Finding> {
             portals.around(pair[0]).find(|(beyond, _)| *beyond == pair[1]).map(|(_, portal)| portal)
         });
         let Some(least) = links.min_by(|a, b| a.area.total_cmp(&b.area)) else { continue };
-        let names: Vec<String> = chain.iter().map(|place| building.called(place.0)).collect();
+        let mut names: Vec<String> =
+            chain.iter().take(LONGEST).map(|place| building.called(place.0)).collect();
+        if chain.len() > LONGEST {
+            names.push(format!("{} more", chain.len() - LONGEST));
+        }
         let text = format!("its air is joined to the open: {}", names.join(" - "));
         let mut finding = building.finding(Code::S02, Some(room), least.middle.to_array(), least.area, text);
         finding.chain = names;
