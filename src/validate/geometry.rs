@@ -10,9 +10,6 @@ use crate::sew::{Sewn, Way};
 /// Vertices are f64, and no farther off planes than this by that, lattice steps.
 const ROUNDING: f64 = 1e-3;
 
-/// Heights that were made one are no farther apart than this, whatever a file says, metres: faces are moved by as much.
-const JOINED: f64 = 2e-3;
-
 pub(super) fn check(building: &Building) -> Vec<Finding> {
     let mut findings = Vec::new();
     for volume in &building.volumes {
@@ -92,7 +89,6 @@ fn is_on_hull(building: &Building, way: Way) -> bool {
 /// The vertex that is farthest off a plane of its faces, if that is farther than heights that were made one lie apart.
 fn off_planes(building: &Building) -> Option<Finding> {
     let topology = &building.topology;
-    let joined = topology.joined.1.min(building.lattice.steps(JOINED));
     let mut worst = (ROUNDING, None);
     for face in &topology.faces {
         for dart in topology.map.around_face(face.dart) {
@@ -100,7 +96,7 @@ fn off_planes(building: &Building) -> Option<Finding> {
             let off = match face.way {
                 Way::Ceiling(plane) | Way::Floor(plane) => {
                     let plane = &building.planes[plane as usize];
-                    (at[2] - plane.height_f64(at[0], at[1])).abs() - joined
+                    (at[2] - plane.height_f64(at[0], at[1])).abs() - topology.joined.1
                 }
                 Way::Upright([a, b]) => {
                     let [dx, dy] = [f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y)];
