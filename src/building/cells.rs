@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use super::{Building, FaceKind, Volume};
 use crate::gmap::Dart;
-use crate::lattice::{Point, orient};
+use crate::lattice::{Point, gcd, orient};
 use crate::partition::cells::{Cell as Prism, Cover, Face, NONE, Partition, Section};
 use crate::sew::{Part, Way as Lie};
 
@@ -344,10 +344,7 @@ impl<'a> Reader<'a> {
 /// From one point to another, in lowest terms.
 fn lowest_terms([a, b]: [Point; 2]) -> [i64; 2] {
     let way = [i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y)];
-    let (mut common, mut rest) = (way[0].abs(), way[1].abs());
-    while rest != 0 {
-        (common, rest) = (rest, common % rest);
-    }
+    let common = gcd(u128::from(way[0].unsigned_abs()), u128::from(way[1].unsigned_abs())) as i64;
     way.map(|c| c / common.max(1))
 }
 

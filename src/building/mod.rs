@@ -243,28 +243,43 @@ impl Building {
     }
 
     /// Names a face.
-    fn name(&self, model: &Model, looks: &[Looks], face: &Sewn) -> Face {
-        let labels = [face.one, face.other].map(|volume| self.label(volume));
-        let area = self.topology.area(face.dart) * self.lattice.step() * self.lattice.step();
-        let bare = |kind| Face { kind, element: None, material: None, area };
-        let [Some(one), Some(other)] = labels else { return bare(FaceKind::Horizon) };
-        let (air, matter, is_first) = match (one.is_air(), other.is_air()) {
-            (true, true) => return bare(FaceKind::Portal),
-            (false, false) => return bare(FaceKind::Joint),
-            (true, false) => (one, other, true),
-            (false, true) => (other, one, false),
+    fn name(&self, model: &Model, looks: &[Looks], sewn: &Sewn) -> Face {
+        let area = self.topology.area(sewn.dart) * self.lattice.step() * self.lattice.step();
+        let Some((_, matter, is_first)) = self.surface(sewn) else {
+            return Face { kind: self.kind(sewn, None, false), element: None, material: None, area };
         };
         let body = if let Label::Solid(element) = matter { Some(element) } else { None };
-        let source = face.sources[if is_first { 0 } else { 1 }];
+        let source = sewn.sources[if is_first { 0 } else { 1 }];
         let look = looks.get(source as usize).and_then(|looks| looks.before(body));
         let element = look.map(|look| look.element).or(body);
         let material = look.map(|look| look.material);
         let is_glass = material
             .and_then(|material| model.materials.get(material.0 as usize))
             .is_some_and(|material| material.is_see_through());
-        let of_matter = element.map_or(Semantic::Unknown, |element| self.semantic(Label::Solid(element)));
-        let kind = FaceKind::of_surface(self.semantic(air), of_matter, face.way.part(is_first), is_glass);
-        Face { kind, element, material, area }
+        Face { kind: self.kind(sewn, element, is_glass), element, material, area }
+    }
+
+    /// Of a face between air and matter: what fills the one and the other, and whether its first side is in the air.
+    pub(crate) fn surface(&self, sewn: &Sewn) -> Option<(Label, Label, bool)> {
+        let [one, other] = [self.label(sewn.one)?, self.label(sewn.other)?];
+        match (one.is_air(), other.is_air()) {
+            (true, false) => Some((one, other, true)),
+            (false, true) => Some((other, one, false)),
+            _ => None,
+        }
+    }
+
+    /// What a face is called; `element` and `is_glass` tell of the surface there, if it is one.
+    pub(crate) fn kind(&self, sewn: &Sewn, element: Option<ElementId>, is_glass: bool) -> FaceKind {
+        if let Some((air, _, is_first)) = self.surface(sewn) {
+            let matter = element.map_or(Semantic::Unknown, |element| self.semantic(Label::Solid(element)));
+            return FaceKind::of_surface(self.semantic(air), matter, sewn.way.part(is_first), is_glass);
+        }
+        match [sewn.one, sewn.other].map(|volume| self.label(volume)) {
+            [Some(one), Some(_)] if one.is_air() => FaceKind::Portal,
+            [Some(_), Some(_)] => FaceKind::Joint,
+            _ => FaceKind::Horizon,
+        }
     }
 
     /// Whether what is kept by label is that of the volumes and faces.

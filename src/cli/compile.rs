@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use enfilade::compile;
 use enfilade::compile::Report;
 use serde::Serialize;
 
@@ -49,10 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let start = Instant::now();
         let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
         let imported = start.elapsed();
-        let mut options = arguments.reading.compile_options(&arguments.resources);
-        options.topology = arguments.topology;
-        let compiled = compile(&model, &options)
-            .map_err(|error| Failure::input(format!("{}: {error}", model.source)))?;
+        let compiled = arguments.reading.compile(&model, &arguments.resources, arguments.topology)?;
         Ok((compiled, imported.as_secs_f64(), (start.elapsed() - imported).as_secs_f64()))
     })??;
     output::write(Some(&arguments.output), |out| out.write_all(&compiled.bytes))?;

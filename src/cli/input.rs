@@ -245,10 +245,11 @@ impl Reading {
             .with_watch(resources.watch())
     }
 
-    /// Compiles a model.
-    pub fn compile(&self, model: &Model, resources: &Resources) -> Result<Compiled, Failure> {
-        compile(model, &self.compile_options(resources))
-            .map_err(|e| Failure::input(format!("{}: {e}", model.source)))
+    /// Compiles a model; with `topology`, its map is kept.
+    pub fn compile(&self, model: &Model, resources: &Resources, topology: bool) -> Result<Compiled, Failure> {
+        let mut options = self.compile_options(resources);
+        options.topology = topology;
+        compile(model, &options).map_err(|e| Failure::input(format!("{}: {e}", model.source)))
     }
 
     /// Opens a scene, or compiles a model on the fly.
@@ -257,7 +258,7 @@ impl Reading {
             return Scene::open(path).map_err(Failure::input);
         }
         let model = self.model(path, resources)?;
-        let compiled = self.compile(&model, resources)?;
+        let compiled = self.compile(&model, resources, false)?;
         resources.warn(&compiled.report.warnings);
         Ok(compiled.scene())
     }

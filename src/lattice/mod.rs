@@ -13,6 +13,7 @@ pub use grid::Lattice;
 pub use plane::{FINE, FINE_BITS, Plane};
 pub use point::{Point, double_area, in_pixel, is_between, orient, segment_meets_pixel};
 pub use site::Site;
+pub(crate) use site::gcd;
 
 /// No coordinate is larger: what f32 counts exactly.
 pub const LARGEST: i32 = 1 << 24;

@@ -91,8 +91,8 @@ fn compare(a: [i128; 2], b: [i128; 2]) -> Ordering {
     whole(a).cmp(&whole(b)).then_with(|| (rest(a) * b[1]).cmp(&(rest(b) * a[1])))
 }
 
-/// 0 of 0 and 0.
-fn gcd(mut a: u128, mut b: u128) -> u128 {
+/// The greatest common divisor; 0 of 0 and 0.
+pub(crate) fn gcd(mut a: u128, mut b: u128) -> u128 {
     while b != 0 {
         (a, b) = (b, a % b);
     }

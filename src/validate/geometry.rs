@@ -4,6 +4,7 @@ use super::{Code, Finding, known};
 use crate::building::{Building, Volume};
 use crate::lattice::{FINE, Point, orient};
 use crate::partition::cells::{Label, NONE};
+use crate::partition::convex::is_convex;
 use crate::partition::six_volume;
 use crate::sew::{Sewn, Way};
 
@@ -14,7 +15,7 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
     let mut findings = Vec::new();
     for volume in &building.volumes {
         let corners = building.footprints.get(volume.footprint.start as usize..volume.footprint.end as usize);
-        if !corners.is_some_and(is_convex) {
+        if !corners.is_some_and(turns) {
             findings.push(about(building, volume, Code::G01, "its footprint is not convex".to_owned()));
         }
     }
@@ -54,13 +55,10 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
     findings
 }
 
-/// Whether a polygon goes around once, counter-clockwise, and turns at each corner.
-fn is_convex(corners: &[Point]) -> bool {
-    let count = corners.len();
-    let at = |i: usize| corners[i % count];
-    count > 2
-        && (0..count).all(|i| orient(at(i), at(i + 1), at(i + 2)) > 0)
-        && (1..count - 1).all(|i| orient(at(0), at(i), at(i + 1)) > 0)
+/// Whether a polygon is convex, counter-clockwise, and turns at each corner.
+fn turns(corners: &[Point]) -> bool {
+    let at = |i: usize| corners[i % corners.len()];
+    is_convex(corners) && (0..corners.len()).all(|i| orient(at(i), at(i + 1), at(i + 2)) != 0)
 }
 
 /// The first face that is on the hull's surface and has something beyond it, or is not and has nothing.

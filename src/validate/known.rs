@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use enfilade_importers::ElementId;
 
 use super::{Code, Finding};
-use crate::building::{Building, FaceKind};
+use crate::building::Building;
 use crate::gmap::{Dart, Orbit};
 use crate::lattice::{LARGEST, Point};
 use crate::partition::cells::{Label, NONE};
@@ -148,32 +148,21 @@ pub(super) fn names(building: &Building) -> Vec<Finding> {
         .collect();
     let mut findings = Vec::new();
     for (number, (sewn, face)) in building.topology.faces.iter().zip(&building.faces).enumerate() {
-        let labels = [sewn.one, sewn.other].map(|volume| building.label(volume));
-        let bare = |kind: FaceKind| face.kind == kind && face.element.is_none() && face.material.is_none();
-        let is_right = match labels {
-            [Some(one), Some(other)] if one.is_air() && other.is_air() => bare(FaceKind::Portal),
-            [Some(one), Some(other)] if !one.is_air() && !other.is_air() => bare(FaceKind::Joint),
-            [Some(one), Some(other)] => {
-                let (air, matter, is_first) =
-                    if one.is_air() { (one, other, true) } else { (other, one, false) };
-                let of = |is_glass| {
-                    let of_matter = face.element.map(|element| building.semantic(Label::Solid(element)));
-                    let part = sewn.way.part(is_first);
-                    FaceKind::of_surface(
-                        building.semantic(air),
-                        of_matter.unwrap_or_default(),
-                        part,
-                        is_glass,
-                    )
-                };
-                // What a material lets through the model knows.
-                let is_kind = face.kind == of(false) || (face.material.is_some() && face.kind == of(true));
+        let is_right = match building.surface(sewn) {
+            Some((_, matter, is_first)) => {
                 let source = sewn.sources[if is_first { 0 } else { 1 }];
-                let shows = |element| shown.contains(&(source, element));
-                is_kind
-                    && face.element.is_none_or(|element| matter == Label::Solid(element) || shows(element))
+                let is_shown =
+                    |element| matter == Label::Solid(element) || shown.contains(&(source, element));
+                // What a material lets through the model knows.
+                let may_be = |is_glass| face.kind == building.kind(sewn, face.element, is_glass);
+                face.element.is_none_or(is_shown)
+                    && (may_be(false) || (face.material.is_some() && may_be(true)))
             }
-            _ => bare(FaceKind::Horizon),
+            None => {
+                face.kind == building.kind(sewn, None, false)
+                    && face.element.is_none()
+                    && face.material.is_none()
+            }
         };
         if !is_right && findings.len() < MOST {
             let at = building.middle(number as u32).to_array();
