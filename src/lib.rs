@@ -49,6 +49,8 @@
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+#[cfg(feature = "proptest")]
+pub mod arbitrary;
 #[cfg(all(feature = "compile", feature = "render"))]
 pub mod bench;
 #[cfg(feature = "compile")]

@@ -8,7 +8,7 @@ use common::prisms::{Made, Style, make};
 use enfilade::importers::Untagged;
 use enfilade::lattice::{Plane, Point};
 use enfilade::oracle::{RayKind, RaySource, Truth, TruthOptions};
-use enfilade::partition::cells::{NONE, Partition};
+use enfilade::partition::cells::{Cover, Label, NONE, Partition};
 use enfilade::roles::roles;
 use enfilade::verify::VerifyReport;
 use enfilade::{
@@ -381,4 +381,85 @@ fn damaged_cells_are_refused_or_harmless() {
     }
     println!("{refused} refused, {opened} opened");
     assert!(refused > 200 && opened > 200, "{refused} refused, {opened} opened");
+}
+
+/// A slab that is a cross, one room on it along one of its bars, and one below it along the other.
+fn rooms_on_a_cross() -> enfilade::importers::Model {
+    use enfilade::importers::{Frame, Material, ModelBuilder, NewElement, Semantic};
+    let mut builder = ModelBuilder::new("cross", Frame::default());
+    let material = builder.material(Material::default());
+    let mut add = |name: &str, semantic, boxes: &[[[f64; 2]; 2]], rise: [f64; 2]| {
+        let new = NewElement { name: name.to_owned(), ..NewElement::default() };
+        let element = builder.element(new).unwrap();
+        builder.semantic(element, semantic);
+        let mut quad = |p: [[f64; 3]; 4]| {
+            builder.triangle(element, [p[0], p[1], p[2]], material).unwrap();
+            builder.triangle(element, [p[0], p[2], p[3]], material).unwrap();
+        };
+        let mut edges = Vec::new();
+        for [[x, y], [u, v]] in boxes {
+            let corners = [[*x, *y], [*u, *y], [*u, *v], [*x, *v]];
+            quad(corners.map(|[x, y]| [x, y, rise[1]]));
+            quad([0, 3, 2, 1].map(|i| [corners[i][0], corners[i][1], rise[0]]));
+            edges.extend((0..4).map(|i| [corners[i], corners[(i + 1) % 4]]));
+        }
+        // Not between two of them.
+        for &[a, b] in edges.iter().filter(|[a, b]| !edges.contains(&[*b, *a])) {
+            quad([
+                [a[0], a[1], rise[0]],
+                [b[0], b[1], rise[0]],
+                [b[0], b[1], rise[1]],
+                [a[0], a[1], rise[1]],
+            ]);
+        }
+    };
+    let arm = |x: f64, y: f64| [[x, y], [x + 2.0, y + 2.0]];
+    let cross = [arm(2.0, 2.0), arm(0.0, 2.0), arm(4.0, 2.0), arm(2.0, 0.0), arm(2.0, 4.0)];
+    add("slab", Semantic::Ground, &cross, [0.0, 0.5]);
+    add("along", Semantic::Room, &[[[0.0, 2.0], [6.0, 4.0]]], [0.5, 3.0]);
+    add("across", Semantic::Room, &[[[2.0, 0.0], [4.0, 6.0]]], [-2.5, 0.0]);
+    builder.finish().unwrap()
+}
+
+#[test]
+fn matter_that_means_the_same_is_one_face() {
+    let options = enfilade::generate::HouseOptions::default();
+    let model = enfilade::generate::house(&options).to_model().unwrap();
+    let (partition, _) = enfilade::partition::partition(&model, &Default::default()).unwrap();
+    let cells = enfilade::building::Building::new(&model, &partition).unwrap().cells().unwrap();
+    let compiled = compile_partition(&model, partition, &CompileOptions::default()).unwrap();
+    let count = |name: &str| {
+        let section = enf::section(&compiled.bytes, name);
+        section.length / section.item
+    };
+    let joined = cells.sections.len() + cells.covers.len() - count("sides") - count("covers");
+    assert_eq!(joined as u64, compiled.report.joined_faces);
+    assert!(joined > 0);
+    // Floors of several parts that are all one slab's.
+    let all_one = |range: &std::ops::Range<u32>| {
+        let covers = &cells.covers[range.start as usize..range.end as usize];
+        let meaning = |cover: &Cover| match cells.cells.get(cover.cell as usize).map(|cell| cell.label) {
+            Some(Label::Solid(element)) if cover.source != NONE => Some((element, cover.source)),
+            _ => None,
+        };
+        let first = meaning(&covers[0]);
+        if first.is_some() && covers.iter().all(|c| meaning(c) == first) { covers.len() - 1 } else { 0 }
+    };
+    let floors: usize = cells.cells.iter().map(|cell| all_one(&cell.below) + all_one(&cell.above)).sum();
+    assert_eq!(cells.covers.len() - count("covers"), floors);
+}
+
+/// A ray down along a wall that it never comes to is as near to the floor's edge as one that does.
+#[test]
+fn rays_along_sides_are_near_their_edges() {
+    let model = rooms_on_a_cross();
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    for (y, is_near) in [(2.0001, true), (2.001, false), (3.9998, true), (3.0, false)] {
+        for x in [1.0, 3.0, 5.0] {
+            let ray = Ray::new([x, y, 1.5], [1e-5, 0.0, -1.0]);
+            let (hit, cost) = scene.trace_cost_from(Start::Anywhere, &ray, Want::default());
+            assert!(matches!(hit.answer(), Answer::Hit(_)));
+            assert_eq!(cost.unsure, u32::from(is_near), "{x} {y}");
+        }
+    }
 }

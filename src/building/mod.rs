@@ -12,6 +12,7 @@ mod queries;
 mod stored;
 #[cfg(test)]
 mod tests;
+mod to_model;
 mod way;
 
 use std::collections::BTreeMap;

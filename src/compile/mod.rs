@@ -234,7 +234,7 @@ fn compile_tables(
         zone: zone.unwrap_or([center; 2]),
         ..bytemuck::Zeroable::zeroed()
     });
-    let sloped = run
+    let added = run
         .stage("cells", || prisms::add(model, cells, &gathered, hull, &mut tables))?
         .map_err(CompileError::Partition)?;
     let counted = add_detail(&mut run, partition, &gathered, zone, &mut tables)?;
@@ -245,7 +245,7 @@ fn compile_tables(
     })?;
 
     add_looks(model, &mut tables);
-    let traits = traits(model, &tables).0 | sloped.0;
+    let traits = traits(model, &tables).0 | added.traits.0;
     let scene = &mut tables.scene[0];
     scene.traits = traits;
     scene.locator_origin = locator.origin;
@@ -262,6 +262,7 @@ fn compile_tables(
         run.stage("check", || Scene::from_bytes(&bytes).map(|_| ()))?
             .map_err(|error| CompileError::Partition(error.to_string()))?;
     }
+    report.joined_faces = added.joined;
     report.bytes = bytes.len() as u64;
     report.stages = run.stages;
     report.peak_budget_bytes = run.budget.peak();

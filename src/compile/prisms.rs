@@ -8,8 +8,8 @@ use crate::format::Tables;
 use crate::format::records::{
     CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
 };
-use crate::lattice::{FINE, LARGEST};
-use crate::partition::cells::{Cell, Cover, Label, NONE, Partition};
+use crate::lattice::{FINE, LARGEST, Point, orient};
+use crate::partition::cells::{Cell, Cover, Face, Label, NONE, Partition, Section};
 
 /// The zone of a partition's cells, metres along the lattice's axes from its origin; `None` if it has no cells.
 pub(super) fn zone(partition: &Partition) -> Option<[[f64; 3]; 2]> {
@@ -18,8 +18,17 @@ pub(super) fn zone(partition: &Partition) -> Option<[[f64; 3]; 2]> {
     (!partition.cells.is_empty()).then(|| [corner(0), corner(1)])
 }
 
+/// What cells became.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Added {
+    /// That of sloped cells, if there are any.
+    pub(super) traits: Traits,
+    /// Parts of surfaces that mean the same to rays as the one beside them, and became one with it.
+    pub(super) joined: u64,
+}
+
 /// Fills the sections `cells` (without roots), `sides`, `faces`, `covers`, `planes`, `sources` (without roots) and
-/// `surfaces`. `hull` is that of the scene. Returns the trait of sloped cells, if there are any.
+/// `surfaces`. `hull` is that of the scene.
 ///
 /// # Errors
 /// What is wrong with the partition: an index out of range, a cell that is no prism.
@@ -29,7 +38,7 @@ pub(super) fn add(
     gathered: &Gathered,
     hull: [[f64; 3]; 2],
     tables: &mut Tables,
-) -> Result<Traits, String> {
+) -> Result<Added, String> {
     let partition = &cells.partition;
     let around = if partition.cells.is_empty() { Semantic::Unknown } else { Semantic::Exterior };
     tables.cells.push(CellRecord {
@@ -56,11 +65,11 @@ pub(super) fn add(
     for (room, record) in tables.rooms.iter().enumerate() {
         rooms[record.element as usize] = room as u32;
     }
-    let mut run = Run { model, cells, partition, rooms: &rooms, sloped: false };
+    let mut run = Run { model, cells, partition, rooms: &rooms, sloped: false, joined: 0 };
     for (i, cell) in partition.cells.iter().enumerate() {
         run.cell(cell, tables).map_err(|what| format!("cell {i}: {what}"))?;
     }
-    let sloped = if run.sloped { Traits::SLOPED } else { 0 };
+    let added = Added { traits: Traits(if run.sloped { Traits::SLOPED } else { 0 }), joined: run.joined };
     for (i, source) in partition.sources.iter().enumerate() {
         let first = tables.surfaces.len();
         for &triangle in &source.triangles {
@@ -80,7 +89,7 @@ pub(super) fn add(
         let plane = plane.transpose().map_err(|what| format!("source {i}: {what}"))?.unwrap_or(NONE);
         tables.sources.push(SourceRecord { first: first as u32, count, root: NONE, plane });
     }
-    Ok(Traits(sloped))
+    Ok(added)
 }
 
 /// Drops repeated items of the sorted end of `items`, from `first` on.
@@ -117,6 +126,8 @@ struct Run<'a> {
     /// The room that each element labels.
     rooms: &'a [u32],
     sloped: bool,
+    /// Parts of surfaces that became one with another.
+    joined: u64,
 }
 
 impl Run<'_> {
@@ -132,12 +143,16 @@ impl Run<'_> {
         let step = partition.lattice.step();
         let (first_side, first_cover) = (tables.sides.len() as u32, tables.covers.len() as u32);
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for section in sections {
+        for (number, section) in sections.iter().enumerate() {
             let p = section.start;
             if [p.x, p.y].iter().any(|c| c.unsigned_abs() > LARGEST as u32) {
                 return Err("a corner is beyond the lattice".to_owned());
             }
             let faces = partition.faces.get(slice(&section.faces)).ok_or("faces are not there")?;
+            if number > 0 && self.goes_on(&sections[number - 1..], sections[0].start) {
+                self.joined += 1;
+                continue;
+            }
             tables.sides.push(SideRecord {
                 // Exact: 24 bits and a power of two.
                 start: [p.x, p.y].map(|c| (f64::from(c) * step) as f32),
@@ -159,11 +174,8 @@ impl Run<'_> {
                 bounds[1][axis] = bounds[1][axis].max(c);
             }
         }
-        let numbers = slice(&cell.below).chain(slice(&cell.above));
-        for (cover, number) in below.iter().chain(above).zip(numbers) {
-            let cover = self.cover(cover, &self.cells.covers, number)?;
-            tables.covers.push(cover);
-        }
+        let below = self.covers(below, cell.below.start as usize, tables)?;
+        let above = self.covers(above, cell.above.start as usize, tables)?;
         let (kind, semantic, element) = self.label(cell.label)?;
         tables.cells.push(CellRecord {
             bounds,
@@ -175,12 +187,61 @@ impl Run<'_> {
             floor: cell.floor,
             ceiling: cell.ceiling,
             first_side,
-            sides: sections.len() as u32,
+            sides: tables.sides.len() as u32 - first_side,
             first_cover,
-            below: below.len() as u32,
-            above: above.len() as u32,
+            below,
+            above,
         });
         Ok(())
+    }
+
+    /// Adds what covers a floor or a ceiling; `first` is the number of the first. Returns how many were added: one, if all mean the same.
+    ///
+    /// # Errors
+    /// What is not there.
+    fn covers(&mut self, covers: &[Cover], first: usize, tables: &mut Tables) -> Result<u32, String> {
+        let own = tables.covers.len();
+        for (cover, number) in covers.iter().zip(first..) {
+            let cover = self.cover(cover, &self.cells.covers, number)?;
+            tables.covers.push(cover);
+        }
+        let meaning = |i: usize| self.meaning(&covers[i], self.cells.covers.get(first + i));
+        if covers.len() > 1 && meaning(0).is_some() && (1..covers.len()).all(|i| meaning(i) == meaning(0)) {
+            self.joined += covers.len() as u64 - 1;
+            tables.covers.truncate(own + 1);
+        }
+        Ok((tables.covers.len() - own) as u32)
+    }
+
+    /// What a part of a surface is to rays: the matter behind it, its triangles and its kind. `None` if rays go on there, or have no
+    /// triangles to meet.
+    fn meaning(&self, cover: &Cover, kind: Option<&FaceKind>) -> Option<(ElementId, u32, FaceKind)> {
+        match self.partition.cells.get(cover.cell as usize)?.label {
+            Label::Solid(element) if cover.source != NONE => Some((element, cover.source, *kind?)),
+            _ => None,
+        }
+    }
+
+    /// Whether the second of these sections goes straight on from the first and has the same meanings behind it, so that they are one.
+    /// `end` is where the last one ends.
+    fn goes_on(&self, sections: &[Section], end: Point) -> bool {
+        let [before, here, rest @ ..] = sections else { return false };
+        if orient(before.start, here.start, rest.first().map_or(end, |next| next.start)) != 0 {
+            return false;
+        }
+        let stack = |section: &Section| section.faces.start as usize..section.faces.end as usize;
+        let (before, here) = (stack(before), stack(here));
+        let is_same = |(a, b): (usize, usize)| {
+            let (Some(one), Some(other)) = (self.partition.faces.get(a), self.partition.faces.get(b)) else {
+                return false;
+            };
+            let kinds = [a, b].map(|number| self.cells.faces.get(number));
+            let means = |face: &Face, kind| self.meaning(&face.cover, kind);
+            let meaning = means(one, kinds[0]);
+            let is_same = meaning.is_some() && meaning == means(other, kinds[1]);
+            (one == other && kinds[0] == kinds[1]) || (one.top == other.top && is_same)
+        };
+        before.len() == here.len() && before.zip(here).all(is_same)
     }
 
     fn cover(&self, cover: &Cover, kinds: &[FaceKind], number: usize) -> Result<CoverRecord, String> {

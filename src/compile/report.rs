@@ -58,6 +58,8 @@ pub struct Report {
     pub hierarchy_depth: u32,
     /// How the space was cut into cells, places in the source's own frame; `None` if it is one cell.
     pub partition: Option<PartitionReport>,
+    /// Parts of cells' surfaces that mean the same to rays as the one beside them, and became one with it.
+    pub joined_faces: u64,
     /// What validation found, by code; `enfilade validate` tells where. Empty for a building that its caller has validated.
     pub findings: BTreeMap<&'static str, u64>,
     /// What the user should know.
@@ -205,6 +207,7 @@ pub(super) fn make(
         }],
         hierarchy_depth: counted.depth,
         partition: None,
+        joined_faces: 0,
         findings: BTreeMap::new(),
         warnings: crate::inspect::warnings(model),
         stages: Vec::new(),

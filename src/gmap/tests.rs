@@ -1,6 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::arbitrary::{Outcome, Step, maps, steps};
 
 /// A prism, its map and its darts.
 fn prism(sides: usize) -> (GMap, Vec<Dart>) {
@@ -243,44 +244,6 @@ fn what_was_sewn_meanwhile_is_not_torn_apart() {
     map.commit(&sewing);
 }
 
-/// What is done to a map, by numbers that become darts.
-#[derive(Clone, Copy, Debug)]
-enum Step {
-    Prism(usize),
-    Sew(usize, usize, usize),
-    Unsew(usize, usize),
-    Remove(usize, usize),
-    Vertex(usize),
-    Edge(usize, usize),
-    Face(usize),
-}
-
-fn step() -> impl Strategy<Value = Step> {
-    let dart = 0usize..1 << 20;
-    prop_oneof![
-        2 => (3usize..6).prop_map(Step::Prism),
-        3 => (dart.clone(), dart.clone()).prop_map(|(a, b)| Step::Sew(3, a, b)),
-        2 => (0usize..3, dart.clone(), dart.clone()).prop_map(|(i, a, b)| Step::Sew(i, a, b)),
-        1 => (0usize..4, dart.clone()).prop_map(|(i, d)| Step::Unsew(i, d)),
-        3 => (0usize..3, dart.clone()).prop_map(|(i, d)| Step::Remove(i, d)),
-        2 => dart.clone().prop_map(Step::Vertex),
-        2 => (dart.clone(), dart.clone()).prop_map(|(a, b)| Step::Edge(a, b)),
-        2 => dart.prop_map(Step::Face),
-    ]
-}
-
-/// A closed path around two faces that have an edge in common, or, where there is no second one, around one.
-fn path_around(map: &GMap, dart: Dart) -> Vec<Dart> {
-    let beyond = map.alpha(2, dart);
-    let other: Vec<Dart> = map.around_face(map.alpha(0, beyond)).skip(1).collect();
-    let own: Vec<Dart> = map.around_face(dart).collect();
-    if beyond == dart || own.contains(&map.alpha(0, beyond)) || other.is_empty() {
-        return own;
-    }
-    // From the far end of the common edge around the one, then around the other.
-    own.into_iter().skip(1).chain(other).collect()
-}
-
 /// Whether the two ends of a dart's edge are one.
 fn is_folded(map: &GMap, dart: Dart) -> bool {
     let mut seen = vec![dart];
@@ -303,74 +266,46 @@ proptest! {
     /// After whatever steps, refused or done, the map is one; refused ones change nothing; what is inserted leaves the Euler
     /// characteristic as it was, and can be removed again.
     #[test]
-    fn maps_stay_maps(steps in prop::collection::vec(step(), 1..40)) {
+    fn maps_stay_maps(steps in prop::collection::vec(steps(), 1..40)) {
         let mut map = GMap::new();
         map.add_prism(4);
         for step in steps {
-            let all: Vec<Dart> = map.darts().collect();
-            if all.is_empty() {
+            if map.is_empty() {
                 map.add_prism(3);
                 continue;
             }
-            let pick = |number: usize| all[number % all.len()];
             let before = map.clone();
-            let euler = map.euler();
             // What is glued to itself may have edges that are folded in the middle, of which half an edge is left.
             let is_folded = map.darts().any(|d| is_folded(&map, d));
-            let refused = match step {
-                Step::Prism(sides) => {
-                    map.add_prism(sides);
-                    prop_assert_eq!(map.euler(), euler + 1);
-                    false
+            match step.apply(&mut map) {
+                Outcome::Refused => {
+                    prop_assert!(map == before, "{:?} was refused and changed the map", step);
                 }
-                Step::Sew(i, a, b) => map.sew(i, pick(a), pick(b)).is_err(),
-                Step::Unsew(i, a) => {
-                    map.unsew(i, pick(a)).unwrap();
-                    false
-                }
-                Step::Remove(i, dart) => match map.remove(i, pick(dart)) {
-                    Ok(gone) => {
-                        prop_assert_eq!(map.len() + gone, before.len());
-                        false
-                    }
-                    Err(_) => true,
+                Outcome::Done => match step {
+                    Step::Prism(_) => prop_assert_eq!(map.euler(), before.euler() + 1),
+                    Step::Remove(..) => prop_assert!(map.len() < before.len()),
+                    _ => prop_assert_eq!(map.len(), before.len()),
                 },
-                Step::Vertex(dart) => {
-                    let done = map.insert_vertex(pick(dart));
-                    if done.is_ok() && !is_folded {
-                        prop_assert_eq!(map.euler(), euler);
-                    }
-                    done.is_err()
-                }
-                Step::Edge(a, b) => {
-                    let done = map.insert_edge(pick(a), pick(b));
-                    if let Ok(new) = done {
-                        prop_assert!(is_folded || map.euler() == euler);
-                        // And back.
-                        let mut again = map.clone();
-                        again.remove(1, new).unwrap();
+                Outcome::Inserted(dimension, new) => {
+                    prop_assert!(is_folded || map.euler() == before.euler());
+                    // And back. A vertex in a folded edge is not between two edges.
+                    let mut again = map.clone();
+                    if dimension > 0 || !is_folded {
+                        prop_assert_eq!(again.remove(dimension, new), Ok(map.len() - before.len()));
                         prop_assert!(before.darts().all(|d| (0..4).all(|i| again.alpha(i, d) == before.alpha(i, d))));
                     }
-                    done.is_err()
                 }
-                Step::Face(dart) => {
-                    let done = map.insert_face(&path_around(&map, pick(dart)));
-                    if let Ok(new) = done {
-                        prop_assert!(is_folded || map.euler() == euler);
-                        let mut again = map.clone();
-                        again.remove(2, new).unwrap();
-                        prop_assert!(before.darts().all(|d| (0..4).all(|i| again.alpha(i, d) == before.alpha(i, d))));
-                    }
-                    done.is_err()
-                }
-            };
-            if refused {
-                prop_assert!(map == before, "{:?} was refused and changed the map", step);
             }
             prop_assert_eq!(map.check(), Ok(()), "after {:?}", step);
             let alone: Vec<_> = map.index(Orbit::Volume).darts().iter().map(|&d| (d, map.shape(d))).collect();
             prop_assert_eq!(map.shapes(), alone);
             prop_assert_eq!(map.darts().count(), map.len());
         }
+    }
+
+    /// As those of the library's users.
+    #[test]
+    fn arbitrary_maps_are_maps(map in maps()) {
+        prop_assert_eq!(map.check(), Ok(()));
     }
 }

@@ -12,6 +12,7 @@ mod split;
 mod tests;
 mod upright;
 mod vertices;
+mod volumes;
 
 use std::collections::HashSet;
 
@@ -23,6 +24,8 @@ use crate::partition::cells::{NONE, Partition};
 use faces::Polygon;
 use heights::Heights;
 use vertices::Vertices;
+
+pub use volumes::{VolumeMap, VolumesError, sew_volumes};
 
 /// A face of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,9 @@
 //! Random buildings of which something was not right once, made as small as they would go.
 
+use enfilade::arbitrary::{Assembly, Defect, Finding, Piece, Relation, Shape};
 use enfilade::importers::Semantic::{self, Door, Room, Stairwell, Wall};
 use enfilade::sew::sew;
 
-use crate::building::{Building, Defect, Piece, Relation};
-use crate::solids::Shape;
-use crate::space::Finding;
 use crate::{findings, made};
 
 /// Half a lattice unit.
@@ -18,9 +16,9 @@ fn is_right(pieces: Vec<Piece>) {
 
 /// The first of those points and rays is told.
 fn is_right_from(pieces: Vec<Piece>, first: u64) {
-    let building = Building { pieces, scale: 1.0, at: [0.0; 3] };
+    let assembly = Assembly { pieces, scale: 1.0, at: [0.0; 3] };
     for seed in first..first + 40 {
-        let found = findings(&building, seed);
+        let found = findings(&assembly, seed);
         assert!(found.is_empty(), "{seed}: {}", found.iter().map(Finding::to_string).collect::<String>());
     }
 }
@@ -135,7 +133,7 @@ fn steep_faces_hang_by_what_their_foot_is_rounded() {
 #[test]
 fn parts_without_height_may_start_at_corners() {
     let wedge = piece(Wall, Shape::Wedge, [4.845013442432301, 1.8, 2.9578124347510304]);
-    let building = Building {
+    let assembly = Assembly {
         pieces: vec![
             Piece {
                 at: [1.4813775744962714, 0.25, 0.0],
@@ -153,7 +151,7 @@ fn parts_without_height_may_start_at_corners() {
         scale: 1.0,
         at: [0.0; 3],
     };
-    assert!(sew(&made(&building.model(false))).is_ok());
+    assert!(sew(&made(&assembly.model())).is_ok());
 }
 
 /// The ends of a beam that leans by 45 degrees rise by nearly a millimetre and are level: by their corners its sides are cut at a slab's
@@ -170,7 +168,7 @@ fn sides_are_cut_by_corners_that_have_moved() {
         Piece { at: [0.0, 0.0, 3.5376479993978225], ..wall([0.1, 0.25, 4.20264045075232]) },
         beside(piece(Wall, Shape::L, [0.25; 3]), Relation::Overlap, 0, 0),
     ];
-    let building = Building { pieces, scale: 0.02, at: [0.0; 3] };
-    let found = findings(&building, 0);
+    let assembly = Assembly { pieces, scale: 0.02, at: [0.0; 3] };
+    let found = findings(&assembly, 0);
     assert!(found.is_empty(), "{}", found.iter().map(Finding::to_string).collect::<String>());
 }

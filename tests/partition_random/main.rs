@@ -2,31 +2,24 @@
 //!
 //! `PROPTEST_CASES` says how many buildings are tried; without it, a few hundred, always the same.
 
-mod building;
 mod found;
 mod points;
-mod sides;
-mod solids;
-mod space;
-mod structure;
 mod truth;
 mod walk;
 
 use std::collections::BTreeMap;
 
-use building::buildings;
+use enfilade::arbitrary::{Assembly, CLASSES, Finding, Space, assemblies, check_building, check_cells};
 use enfilade::building::Building;
-use enfilade::gmap::Orbit;
 use enfilade::importers::Model;
 use enfilade::lattice::FINE;
-use enfilade::partition::cells::{Label, NONE, Partition};
+use enfilade::partition::cells::{Label, Partition};
 use enfilade::partition::{PartitionOptions, partition};
 use enfilade::sew::{Topology, sew};
 use enfilade::{CompileOptions, Scene, compile};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
-use space::{Finding, Space};
 use truth::{Meshes, Random};
 
 /// So many cases, always the same; or as many as the environment asks for, at random.
@@ -43,14 +36,14 @@ fn cases(few: u32) -> ProptestConfig {
 const FEW: u32 = 600;
 
 /// All that is wrong with the partition of a building.
-fn findings(building: &building::Building, seed: u64) -> Vec<Finding> {
-    let model = building.model(false);
+fn findings(assembly: &Assembly, seed: u64) -> Vec<Finding> {
+    let model = assembly.model();
     let (partition, report) = match partition(&model, &PartitionOptions::default()) {
         Ok(made) => made,
         Err(error) => return vec![Finding { kind: "error", text: error.to_string() }],
     };
     let space = Space::new(&partition);
-    let mut findings = structure::check(&space, report.largest_displacement / partition.lattice.step());
+    let mut findings = check_cells(&partition, report.largest_displacement);
     let mut random = Random::new(seed);
     let meshes = Meshes::new(&model, &partition, &report, &mut random);
     findings.extend(points::check(&space, &meshes, &mut random));
@@ -62,8 +55,8 @@ proptest! {
     #![proptest_config(cases(FEW))]
 
     #[test]
-    fn cells_are_right(building in buildings(), seed in any::<u64>()) {
-        let findings = findings(&building, seed);
+    fn cells_are_right(assembly in assemblies(), seed in any::<u64>()) {
+        let findings = findings(&assembly, seed);
         prop_assert!(findings.is_empty(), "{}", findings.iter().map(Finding::to_string).collect::<String>());
     }
 }
@@ -72,42 +65,33 @@ proptest! {
     #![proptest_config(cases(200))]
 
     #[test]
-    fn the_order_of_elements_changes_little(building in buildings()) {
-        let [there, back] = [false, true].map(|reversed| volumes(&building.model(reversed)));
+    fn the_order_of_elements_changes_little(assembly in assemblies()) {
+        let [there, back] = [assembly.model(), assembly.reversed()].map(|model| volumes(&model));
         // Of planes less than 0.3 mm apart the first is taken, of heights that differ by less than 1 mm the commonest.
-        let area: f64 = building.elements().iter().flat_map(|(_, mesh)| mesh).map(triangle_area).sum();
+        let area: f64 = assembly.elements().iter().flat_map(|(_, mesh)| mesh).map(triangle_area).sum();
         for (a, b) in there.iter().zip(back) {
             prop_assert!((a - b).abs() <= 1e-3 * area, "{there:?} {back:?}, {area} m2 of surface");
         }
     }
 
     #[test]
-    fn cells_have_a_map(building in buildings()) {
-        let partition = made(&building.model(false));
-        let topology = sew(&partition).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        let map = &topology.map;
-        prop_assert_eq!(map.check(), Ok(()));
-        let volumes = map.index(Orbit::Volume);
-        prop_assert_eq!((volumes.len(), map.euler()), (partition.cells.len(), 1));
-        let no_ball = volumes.darts().iter().find(|volume| !map.shape(**volume).is_ball());
-        prop_assert!(no_ball.is_none(), "{:?}", no_ball.map(|volume| map.shape(*volume)));
-        // Nothing is free but the hull.
-        let hull = topology.faces.iter().filter(|face| face.other == NONE);
-        let of_hull: usize = hull.map(|face| 2 * map.around_face(face.dart).count()).sum();
-        let free: [usize; 4] = [0, 1, 2, 3].map(|i| map.free(i).count());
-        prop_assert_eq!(free, [0, 0, 0, of_hull]);
+    fn cells_have_a_map(assembly in assemblies()) {
+        let model = assembly.model();
+        let building = Building::new(&model, &made(&model)).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let findings = check_building(&building);
+        prop_assert!(findings.is_empty(), "{findings:?}");
     }
 
     #[test]
-    fn no_scene_is_without_cells(building in buildings()) {
-        let compiled = compile(&building.model(false), &CompileOptions::default()).unwrap();
+    fn no_scene_is_without_cells(assembly in assemblies()) {
+        let compiled = compile(&assembly.model(), &CompileOptions::default()).unwrap();
         prop_assert!(compiled.report.warnings.is_empty(), "{:?}", compiled.report.warnings);
         prop_assert!(Scene::from_bytes(&compiled.bytes).is_ok());
     }
 
     #[test]
-    fn cells_are_read_off_the_map(building in buildings()) {
-        let model = building.model(false);
+    fn cells_are_read_off_the_map(assembly in assemblies()) {
+        let model = assembly.model();
         let partition = made(&model);
         let building = Building::new(&model, &partition).unwrap();
         let read = building.cells().map_err(|error| TestCaseError::fail(error.to_string()))?;
@@ -140,8 +124,8 @@ proptest! {
     }
 
     #[test]
-    fn the_number_of_threads_changes_nothing(building in buildings()) {
-        let model = building.model(false);
+    fn the_number_of_threads_changes_nothing(assembly in assemblies()) {
+        let model = assembly.model();
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| made(&model))
@@ -158,14 +142,14 @@ fn every_kind_of_degeneracy_is_common() {
     let mut runner = TestRunner::new(cases(0));
     let (mut histogram, count) = (BTreeMap::<&str, u32>::new(), 4000);
     for _ in 0..count {
-        let building = buildings().new_tree(&mut runner).unwrap().current();
-        building.classes().into_iter().for_each(|class| *histogram.entry(class).or_default() += 1);
+        let assembly = assemblies().new_tree(&mut runner).unwrap().current();
+        assembly.classes().into_iter().for_each(|class| *histogram.entry(class).or_default() += 1);
     }
     println!("of {count} buildings");
     for (class, times) in &histogram {
         println!("{:5.1} %  {class}", 100.0 * f64::from(*times) / f64::from(count));
     }
-    assert_eq!(histogram.len(), building::CLASSES);
+    assert_eq!(histogram.len(), CLASSES);
     assert!(histogram.values().all(|&times| f64::from(times) >= COMMON * f64::from(count)));
 }
 

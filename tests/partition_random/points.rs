@@ -1,8 +1,8 @@
 //! Random points: each in exactly one cell, which says what the meshes say.
 
+use enfilade::arbitrary::{Finding, Space};
 use enfilade::partition::cells::Label;
 
-use crate::space::{Finding, Space};
 use crate::truth::{Meshes, Random};
 
 /// Points looked at for each building.

@@ -47,7 +47,7 @@ impl<'a> Meshes<'a> {
         let volume = |e: &enfilade::importers::Element| {
             let mesh = (0..e.mesh.triangles.len()).map(|t| e.mesh.corners(t)).collect();
             let is_mixed = components(&e.mesh).iter().any(|c| c.orientation == Orientation::Mixed);
-            (!is_mixed).then(|| crate::solids::volume(&mesh).abs())
+            (!is_mixed).then(|| enfilade::arbitrary::volume(&mesh).abs())
         };
         let mut meshes = Meshes {
             model,

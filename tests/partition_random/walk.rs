@@ -1,10 +1,10 @@
 //! Rays that walk from cell to cell, by the cells' faces alone, in plain f64.
 
+use enfilade::arbitrary::{Finding, Space, cosine};
 use enfilade::lattice::{FINE, Plane, Point};
 use enfilade::partition::cells::NONE;
 
 use crate::points;
-use crate::space::{Finding, Space, cosine};
 use crate::truth::{Meshes, Random};
 
 /// Points of the plan are rounded by half a unit, a plane's numbers by less: in units, no crossing of planes moves by more.

@@ -1,54 +1,68 @@
-//! Small random buildings, degenerate on purpose.
+//! Small random models, degenerate on purpose.
 
 use std::collections::BTreeSet;
 
-use enfilade::importers::{Frame, Material, Model, ModelBuilder, NewElement, Semantic};
+use enfilade_importers::{Frame, Material, Model, ModelBuilder, NewElement, Semantic};
 use proptest::prelude::*;
 
-use crate::solids::{Mesh, Shape};
+use super::shape::{Mesh, Shape};
 
-/// Some elements, and where they stand.
-#[derive(Clone, Debug)]
-pub struct Building {
+/// Some elements, and how they stand to each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembly {
+    /// The elements, in order; some stand for two.
     pub pieces: Vec<Piece>,
     /// Sizes and distances are multiplied by this; gaps are not.
     pub scale: f64,
-    /// Where the origin lies.
+    /// Where the origin lies, metres.
     pub at: [f64; 3],
 }
 
 /// An element.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
+    /// Its meaning.
     pub semantic: Semantic,
+    /// Its form.
     pub shape: Shape,
+    /// The size of its box, metres before scaling.
     pub size: [f64; 3],
-    /// Where it stands, unless beside another.
+    /// Where it stands, metres before scaling, unless beside another.
     pub at: [f64; 3],
     /// Degrees about the vertical, and about the x axis before that; unless beside another.
     pub turn: [f64; 2],
+    /// How it stands to that other.
     pub relation: Relation,
-    /// Counted back from itself: beside which other it stands, and along which axis.
+    /// Beside which other it stands: counted back from itself, round and round.
     pub other: usize,
+    /// Along which axis, 0 to 2.
     pub axis: usize,
+    /// What is odd about it.
     pub defect: Defect,
 }
 
 /// How an element stands to another, in that other's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relation {
+    /// Not at all.
     Free,
     /// The boxes touch by a whole face.
     Face,
+    /// By an edge.
     Edge,
+    /// By a corner.
     Vertex,
     /// By a part of a face: edges of one end inside a face of the other.
     TJunction,
+    /// By an eighth, if both are alike.
     Overlap,
+    /// It lies inside.
     Nested,
+    /// It lies inside, with a face in the other's.
     NestedFace,
+    /// It is the same once more.
     Twin,
-    /// So far apart; they overlap if that is less than nothing.
+    /// So many metres apart; they overlap if that is less than nothing.
     Gap(f64),
     /// It stands free, and a twin beside it is higher by so many metres and steeper by this share.
     Coplanar(f64, f64),
@@ -57,15 +71,19 @@ pub enum Relation {
 /// What is odd about a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Defect {
+    /// Nothing.
     None,
+    /// All triangles are turned.
     Inverted,
     /// Triangles whose bit is set are turned.
     Mixed(u32),
+    /// A smaller copy of itself is left out inside.
     Cavity,
+    /// It is there twice, side by side.
     TwoComponents,
 }
 
-/// How many classes [`Building::classes`] tells apart.
+/// How many classes [`Assembly::classes`] tells apart.
 pub const CLASSES: usize = 30;
 
 /// How local coordinates become the building's.
@@ -93,7 +111,7 @@ fn sine_cosine(degrees: f64) -> (f64, f64) {
     }
 }
 
-impl Building {
+impl Assembly {
     /// The elements' meaning and triangles.
     pub fn elements(&self) -> Vec<(Semantic, Mesh)> {
         let mut elements = Vec::new();
@@ -129,16 +147,19 @@ impl Building {
         elements
     }
 
-    /// The building as a model; elements in another order if `reversed`.
-    pub fn model(&self, reversed: bool) -> Model {
+    /// The same as a model.
+    pub fn model(&self) -> Model {
+        model(&self.elements())
+    }
+
+    /// The same as a model, the last element being the first.
+    pub fn reversed(&self) -> Model {
         let mut elements = self.elements();
-        if reversed {
-            elements.reverse();
-        }
+        elements.reverse();
         model(&elements)
     }
 
-    /// The kinds of degeneracy in it, and other things to count.
+    /// The kinds of degeneracy in it, and other things to count, so that a test can show that it meets them.
     pub fn classes(&self) -> BTreeSet<&'static str> {
         let mut classes = BTreeSet::new();
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -197,19 +218,22 @@ impl Building {
     }
 }
 
+/// Models have limits far from here.
+const FITS: &str = "a dozen elements fit into a model";
+
 /// The model of some elements.
-pub fn model(elements: &[(Semantic, Mesh)]) -> Model {
+fn model(elements: &[(Semantic, Mesh)]) -> Model {
     let mut builder = ModelBuilder::new("random", Frame::default());
     let material = builder.material(Material::default());
     for (i, (semantic, mesh)) in elements.iter().enumerate() {
         let new = NewElement { name: format!("{semantic:?}_{i}"), ..NewElement::default() };
-        let element = builder.element(new).unwrap();
+        let element = builder.element(new).expect(FITS);
         builder.semantic(element, *semantic);
         for &corners in mesh {
-            builder.triangle(element, corners, material).unwrap();
+            builder.triangle(element, corners, material).expect(FITS);
         }
     }
-    builder.finish().unwrap()
+    builder.finish().expect(FITS)
 }
 
 /// The lower corner and the size of a box that stands so to the box of size `other` at `low`.
@@ -265,15 +289,16 @@ impl Defect {
     }
 }
 
-/// Random buildings.
-pub fn buildings() -> impl Strategy<Value = Building> {
+/// Random assemblies of one to twelve elements: solids, rooms, openings; touching in every way, overlapping, nested, slivered, turned,
+/// sloped, near-coplanar, far from the origin, tiny and huge.
+pub fn assemblies() -> impl Strategy<Value = Assembly> {
     let scale = prop_oneof![8 => Just(1.0), 1 => Just(0.02), 1 => Just(100.0)];
     let at = prop_oneof![
         7 => Just([0.0; 3]),
         1 => Just([4_321_987.25, 3_210_123.5, 112.0]),
         1 => Just([-4_321_987.3, 3_210_123.7, 0.1]),
     ];
-    (prop::collection::vec(pieces(), 1..=12), scale, at).prop_map(|(pieces, scale, at)| Building {
+    (prop::collection::vec(pieces(), 1..=12), scale, at).prop_map(|(pieces, scale, at)| Assembly {
         pieces,
         scale,
         at,

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use enfilade::lattice::{FINE, Point, double_area, orient};
-use enfilade::partition::cells::{Label, NONE};
+use crate::lattice::{FINE, Point, double_area, orient};
+use crate::partition::cells::{Label, NONE};
 
-use crate::sides;
-use crate::space::{Find, Finding, Space, cosine};
+use super::sides;
+use super::space::{Find, Finding, Space, cosine};
 
 /// All of it; the partition says that it moved points of the plan by up to `moved` lattice units.
 pub fn check(space: &Space<'_>, moved: f64) -> Vec<Finding> {
@@ -124,8 +124,7 @@ fn floors(space: &Space<'_>, find: Find<'_>) {
         for (is_above, plane) in [(false, cell.floor), (true, cell.ceiling)] {
             let mut others: Vec<u32> =
                 if is_above { space.above(cell).collect() } else { space.below(cell).collect() };
-            let at_hull =
-                *space.plane(plane) == enfilade::lattice::Plane::level(hull[usize::from(is_above)][2]);
+            let at_hull = *space.plane(plane) == crate::lattice::Plane::level(hull[usize::from(is_above)][2]);
             if others.contains(&NONE) != at_hull || (at_hull && others != [NONE]) {
                 find("hull floor", format!("cell {c} above {is_above}: {others:?}"));
             }
@@ -165,7 +164,7 @@ fn floors(space: &Space<'_>, find: Find<'_>) {
     }
 }
 
-fn plane_of(is_above: bool, there: &enfilade::partition::cells::Cell) -> u32 {
+fn plane_of(is_above: bool, there: &crate::partition::cells::Cell) -> u32 {
     if is_above { there.floor } else { there.ceiling }
 }
 

@@ -3,16 +3,20 @@
 /// Triangles, counter-clockwise seen from outside.
 pub type Mesh = Vec<[[f64; 3]; 3]>;
 
-/// What a solid looks like.
+/// What a solid looks like, in a box from the origin: its width along x, depth along y, height along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
+    /// All of the box.
     Box,
-    /// Prisms over these outlines.
+    /// A prism over an L.
     L,
+    /// A prism over a U.
     U,
+    /// A prism over a triangle.
     Triangle,
-    /// The same, lying: their extrusion runs along y.
+    /// An L whose extrusion runs along y.
     LyingL,
+    /// A U whose extrusion runs along y.
     LyingU,
     /// A roof: a lying triangle.
     Gable,
@@ -20,7 +24,9 @@ pub enum Shape {
     Wedge,
     /// A box whose top is shifted by half its width.
     Sheared,
+    /// Three corners below, one above.
     Tetrahedron,
+    /// Four corners below, one above their middle.
     Pyramid,
     /// A box whose top is shifted by so many metres: nearly vertical sides.
     Steep(f64),
@@ -124,7 +130,7 @@ fn ears(outline: &[[f64; 2]]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// The volume inside, by the divergence theorem.
+/// The volume inside a closed mesh, by the divergence theorem; less than nothing if it is inside out.
 pub fn volume(mesh: &Mesh) -> f64 {
     let six = |[a, b, c]: &[[f64; 3]; 3]| {
         a[0] * (b[1] * c[2] - b[2] * c[1])

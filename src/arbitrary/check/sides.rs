@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use enfilade::lattice::{FINE, Point};
-use enfilade::partition::cells::NONE;
+use crate::lattice::{FINE, Point};
+use crate::partition::cells::NONE;
 
-use crate::space::{Find, Space, cosine};
-use crate::structure::{most_inverted, width};
+use super::space::{Find, Space, cosine};
+use super::structure::{most_inverted, width};
 
 /// Checks the sides of all cells; what is no wider than `narrow` units is rounding.
 pub fn check(space: &Space<'_>, narrow: f64, find: Find<'_>) {

@@ -1,12 +1,14 @@
 //! Looking at a partition's cells.
 
-use enfilade::lattice::{FINE, Plane, Point, orient};
-use enfilade::partition::cells::{Cell, Face, Partition, Section};
+use crate::lattice::{FINE, Plane, Point, orient};
+use crate::partition::cells::{Cell, Face, Partition, Section};
 
 /// Something that should not be so.
 #[derive(Clone, Debug)]
 pub struct Finding {
+    /// What kind of thing, in a word or two: always the same for the same.
     pub kind: &'static str,
+    /// What and where.
     pub text: String,
 }
 
@@ -17,32 +19,43 @@ impl std::fmt::Display for Finding {
 }
 
 /// Takes note of a kind of finding, and of what and where it is.
-pub type Find<'a> = &'a mut dyn FnMut(&'static str, String);
+pub(super) type Find<'a> = &'a mut dyn FnMut(&'static str, String);
 
 /// A partition with its footprints at hand.
+#[derive(Clone, Debug)]
 pub struct Space<'a> {
+    /// The partition.
     pub partition: &'a Partition,
+    /// By cell: the corners of its footprint, lattice units.
     pub footprints: Vec<Vec<Point>>,
 }
 
 impl<'a> Space<'a> {
+    /// That of `partition`.
+    ///
+    /// # Panics
+    /// If an index in it is not there: [`Partition::check`] tells.
     pub fn new(partition: &'a Partition) -> Space<'a> {
         let footprints = partition.cells.iter().map(|cell| partition.footprint(cell).collect()).collect();
         Space { partition, footprints }
     }
 
+    /// The plane of that index.
     pub fn plane(&self, index: u32) -> &'a Plane {
         &self.partition.planes[index as usize]
     }
 
+    /// The cell of that index.
     pub fn cell(&self, index: usize) -> &'a Cell {
         &self.partition.cells[index]
     }
 
+    /// A cell's sides, counter-clockwise.
     pub fn sections(&self, cell: &Cell) -> &'a [Section] {
         &self.partition.sections[cell.sections.start as usize..cell.sections.end as usize]
     }
 
+    /// The faces of a side, from its foot to its head.
     pub fn faces(&self, section: &Section) -> &'a [Face] {
         &self.partition.faces[section.faces.start as usize..section.faces.end as usize]
     }
