@@ -12,6 +12,9 @@ use enfilade::{CompileOptions, compile};
 #[path = "../examples/lidar.rs"]
 mod lidar;
 #[allow(dead_code)]
+#[path = "../examples/properties.rs"]
+mod properties;
+#[allow(dead_code)]
 #[path = "../examples/render.rs"]
 mod render;
 #[allow(dead_code)]
@@ -141,4 +144,10 @@ fn render_writes_pictures_of_either_kind() {
     };
     assert!(fails(&[HOUSE]).starts_with("usage: "));
     assert!(fails(&[HOUSE, "a.png", "--colour", "depth"]).starts_with("usage: "));
+}
+
+#[test]
+fn properties_hold() {
+    let text = said(|out| properties::run(words(["20"]).into_iter(), out));
+    assert_eq!(text, "20 degenerate models: it holds\n2 damaged exports: it holds\n");
 }

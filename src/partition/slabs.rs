@@ -4,7 +4,7 @@
 //! the chain in the plan goes on or off the face. Where a body is cut by the slab's lower level, a cap closes it: the
 //! cut itself is the cap's chain. Moving vertices keeps every chain closed, whatever it does to the faces' shapes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::bodies::Vertex;
 use super::faces::{Lie, Triangle};
@@ -34,8 +34,12 @@ const SHARE: f64 = 0.3;
 /// Levels are at least so far apart, metres.
 const APART: f64 = 0.15;
 
-/// The levels at which the hull is cut, from its bottom to its top.
-pub(super) fn choose_levels(triangles: &[Triangle], hull: [[i32; 3]; 2], lattice: &Lattice) -> Vec<i32> {
+/// A slab whose plan has more segments than this is cut again: in the plans of storeys that are not quite alike every wall crosses every
+/// other, so that work grows by the square of their number.
+const CROWDED: usize = 24_000;
+
+/// By level: how much the faces that look up have in it, twice.
+fn level_areas(triangles: &[Triangle]) -> BTreeMap<i32, i128> {
     let mut area: BTreeMap<i32, i128> = BTreeMap::new();
     for t in triangles {
         if let Lie::Flat(plane) = t.lie
@@ -45,10 +49,16 @@ pub(super) fn choose_levels(triangles: &[Triangle], hull: [[i32; 3]; 2], lattice
             *area.entry(t.corners[0].z).or_default() += i128::from(t.double_area());
         }
     }
+    area
+}
+
+/// The levels at which the hull is cut, from its bottom to its top.
+pub(super) fn choose_levels(triangles: &[Triangle], hull: [[i32; 3]; 2], lattice: &Lattice) -> Vec<i32> {
+    let area = level_areas(triangles);
     let most = area.values().copied().max().unwrap_or(0);
     let mut candidates: Vec<(i128, i32)> = area
-        .into_iter()
-        .map(|(z, area)| (area, z))
+        .iter()
+        .map(|(&z, &area)| (area, z))
         .filter(|&(area, _)| area as f64 >= SHARE * most as f64)
         .collect();
     candidates.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -60,7 +70,45 @@ pub(super) fn choose_levels(triangles: &[Triangle], hull: [[i32; 3]; 2], lattice
         }
     }
     levels.sort_unstable();
-    levels
+    let mut done = vec![levels[0]];
+    let mut waiting: Vec<[i32; 2]> = levels.windows(2).rev().map(|w| [w[0], w[1]]).collect();
+    while let Some([low, high]) = waiting.pop() {
+        match middle_level(&area, [low, high], apart) {
+            Some(z) if is_crowded(triangles, [low, high]) => waiting.extend([[z, high], [low, z]]),
+            _ => done.push(high),
+        }
+    }
+    done
+}
+
+/// The level between two, far enough from both, that is nearest to their middle of those that carry at least half as much as the one that
+/// carries most.
+fn middle_level(area: &BTreeMap<i32, i128>, [low, high]: [i32; 2], apart: i32) -> Option<i32> {
+    let (first, last) = (low.checked_add(apart)?, high.checked_sub(apart)?);
+    let inside = || area.range(first..=last.max(first)).filter(|(z, _)| **z <= last);
+    let most = *inside().map(|(_, area)| area).max()?;
+    let large = inside().filter(|(_, area)| **area * 2 >= most).map(|(&z, _)| z);
+    large.min_by_key(|&z| (2 * i64::from(z) - i64::from(low) - i64::from(high)).abs())
+}
+
+/// Whether the plan of what lies between two levels has too many segments.
+fn is_crowded(triangles: &[Triangle], [low, high]: [i32; 2]) -> bool {
+    let mut segments = HashSet::new();
+    for t in triangles {
+        let [bottom, top] = t.rise();
+        if bottom < high && top > low {
+            for i in 0..3 {
+                let [a, b] = [t.corners[i], t.corners[(i + 1) % 3]].map(|c| (c.at.x, c.at.y));
+                if a != b {
+                    segments.insert([a.min(b), a.max(b)]);
+                }
+            }
+            if segments.len() > CROWDED {
+                return true;
+            }
+        }
+    }
+    false
 }
 
 /// The same, of heights that somebody chose, metres.
@@ -286,4 +334,52 @@ fn crossing(low: Vertex, high: Vertex, level: i32) -> Point {
         a + (2 * product + whole).div_euclid(2 * whole) as i32
     };
     Point::new(at(low.at.x, high.at.x), at(low.at.y, high.at.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METRE: i32 = 1 << 16;
+
+    /// A level triangle, looking up.
+    fn level(z: i32, [x, y]: [i32; 2], size: i32) -> Triangle {
+        let corner = |x: i32, y: i32| Vertex { at: Point::new(x, y), z };
+        Triangle {
+            body: 0,
+            is_solid: true,
+            corners: [corner(x, y), corner(x + size, y), corner(x, y + size)],
+            lie: Lie::Flat(Plane::level(z)),
+            run: 0.0,
+            leans: false,
+        }
+    }
+
+    /// A site with most of the area, and floors of many rooms at slightly different heights over it.
+    fn storeys(count: i32, rooms: i32) -> Vec<Triangle> {
+        let mut all = vec![level(0, [0, 0], 200 * METRE)];
+        for storey in 1..=count {
+            let z = 3 * METRE * storey;
+            all.push(level(z, [storey, storey], 20 * METRE));
+            all.extend(
+                (0..rooms)
+                    .map(|i| level(z + METRE / 50 + i % 100, [i * 17 + storey, i * 13 + storey], METRE + i)),
+            );
+        }
+        all
+    }
+
+    #[test]
+    fn crowded_slabs_are_cut_between_storeys() {
+        let lattice = Lattice { origin: [0.0; 3], turn: [1.0, 0.0], bits: 16 };
+        let hull = [[-METRE; 3], [201 * METRE, 201 * METRE, 16 * METRE]];
+        let chosen = |rooms: i32| choose_levels(&storeys(4, rooms), hull, &lattice);
+        let few = chosen(100);
+        assert_eq!(few, [-METRE, 0, 16 * METRE]);
+        // Nine thousand segments a storey: two and a half fit.
+        let many = chosen(3000);
+        assert_eq!(many.len(), 4, "{many:?}");
+        assert!([6 * METRE, 9 * METRE].contains(&many[2]), "{many:?}");
+        assert_eq!(chosen(9000).len(), 7);
+    }
 }

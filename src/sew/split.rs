@@ -42,28 +42,58 @@ pub(super) struct Grid {
     lo: [f64; 2],
     size: f64,
     across: [usize; 2],
-    buckets: Vec<Vec<u32>>,
+    /// By bucket: where its sites start in `items`; and where the last one's end.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+    /// By site: where it is, lattice units, rounded.
+    places: Vec<[f64; 2]>,
 }
+
+/// Buckets along an axis, at most. Storeys that are nearly alike have very many sites beside each other.
+const MOST: f64 = 2048.0;
+/// A site that lies on a line is no farther from it than this when both are rounded to f64, lattice units: those have 24 bits before the
+/// point, and are off by 2^-29 at most.
+const ROUNDED: f64 = 1e-6;
 
 impl Grid {
     pub(super) fn new(sites: &[Site]) -> Grid {
+        let places: Vec<[f64; 2]> = sites.iter().map(|site| [0, 1].map(|axis| site.along(axis))).collect();
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for site in sites {
+        for place in &places {
             for axis in 0..2 {
-                lo[axis] = lo[axis].min(site.along(axis));
-                hi[axis] = hi[axis].max(site.along(axis));
+                lo[axis] = lo[axis].min(place[axis]);
+                hi[axis] = hi[axis].max(place[axis]);
             }
         }
         let extent = (0..2).map(|axis| hi[axis] - lo[axis]).fold(1.0, f64::max);
-        let most = (sites.len() as f64).sqrt().clamp(1.0, 512.0);
+        let most = (sites.len() as f64).sqrt().clamp(1.0, MOST);
         let size = extent / most;
         let across = [0, 1].map(|axis| ((hi[axis] - lo[axis]).max(0.0) / size) as usize + 1);
-        let mut grid = Grid { lo, size, across, buckets: vec![Vec::new(); across[0] * across[1]] };
-        for (number, site) in sites.iter().enumerate() {
-            let [x, y] = [0, 1].map(|axis| grid.bucket(site.along(axis), axis));
-            grid.buckets[y * across[0] + x].push(number as u32);
+        let starts = vec![0; across[0] * across[1] + 1];
+        let mut grid = Grid { lo, size, across, starts, items: vec![0; sites.len()], places };
+        let buckets: Vec<usize> = grid
+            .places
+            .iter()
+            .map(|place| {
+                let [x, y] = [0, 1].map(|axis| grid.bucket(place[axis], axis));
+                y * across[0] + x
+            })
+            .collect();
+        // Counted, then each put where its bucket's next one goes.
+        buckets.iter().for_each(|&bucket| grid.starts[bucket + 1] += 1);
+        for bucket in 0..across[0] * across[1] {
+            grid.starts[bucket + 1] += grid.starts[bucket];
+        }
+        let mut next = grid.starts.clone();
+        for (&bucket, number) in buckets.iter().zip(0..) {
+            grid.items[next[bucket] as usize] = number;
+            next[bucket] += 1;
         }
         grid
+    }
+
+    fn sites(&self, bucket: usize) -> &[u32] {
+        &self.items[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
     }
 
     fn bucket(&self, at: f64, axis: usize) -> usize {
@@ -74,7 +104,7 @@ impl Grid {
     pub(super) fn within(&self, [lo, hi]: [[f64; 2]; 2]) -> impl Iterator<Item = u32> + '_ {
         let [columns, rows] = [0, 1].map(|axis| self.bucket(lo[axis], axis)..=self.bucket(hi[axis], axis));
         rows.flat_map(move |y| columns.clone().map(move |x| y * self.across[0] + x))
-            .flat_map(|bucket| self.buckets[bucket].iter().copied())
+            .flat_map(|bucket| self.sites(bucket).iter().copied())
     }
 
     /// The sites strictly between two on a line, from the first to the second.
@@ -82,6 +112,12 @@ impl Grid {
         let order = a.compare(b);
         let mut found = Vec::new();
         let [from, to] = [a, b].map(|end| [0, 1].map(|axis| end.along(axis)));
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let near = ROUNDED * way[0].hypot(way[1]);
+        let is_near = |number: u32| {
+            let [x, y] = self.places[number as usize];
+            (way[0] * (y - from[1]) - way[1] * (x - from[0])).abs() <= near
+        };
         let rows = [self.bucket(from[1].min(to[1]), 1), self.bucket(from[1].max(to[1]), 1)];
         for y in rows[0]..=rows[1] {
             // What of the edge is in this row of buckets, and a little more.
@@ -97,7 +133,8 @@ impl Grid {
             };
             let columns = [self.bucket(one.min(other) - 1.0, 0), self.bucket(one.max(other) + 1.0, 0)];
             for x in columns[0]..=columns[1] {
-                found.extend(self.buckets[y * self.across[0] + x].iter().copied().filter(|&number| {
+                let all = self.sites(y * self.across[0] + x).iter().copied();
+                found.extend(all.filter(|&number| is_near(number)).filter(|&number| {
                     let site = &sites[number as usize];
                     let is_between = a.compare(site) == order && site.compare(b) == order;
                     is_between && site.side(line) == 0
