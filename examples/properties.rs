@@ -47,7 +47,7 @@ fn holds(model: &Model, point: [f64; 3]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-fn run(mut args: impl Iterator<Item = String>, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+pub fn run(mut args: impl Iterator<Item = String>, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let cases = args.next().map_or(Ok(50), |number| number.parse())?;
     let config = Config { failure_persistence: None, ..Config::with_cases(cases) };
 
