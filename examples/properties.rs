@@ -47,6 +47,10 @@ fn holds(model: &Model, point: [f64; 3]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Tries as many models as the first word says, and writes what held.
+///
+/// # Errors
+/// The smallest model of which something does not hold; a word that is no number.
 pub fn run(mut args: impl Iterator<Item = String>, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let cases = args.next().map_or(Ok(50), |number| number.parse())?;
     let config = Config { failure_persistence: None, ..Config::with_cases(cases) };
