@@ -219,7 +219,7 @@ impl Assembly {
 }
 
 /// Models have limits far from here.
-const FITS: &str = "a dozen elements fit into a model";
+const FITS: &str = "two dozen elements fit into a model";
 
 /// The model of some elements.
 fn model(elements: &[(Semantic, Mesh)]) -> Model {
@@ -289,7 +289,7 @@ impl Defect {
     }
 }
 
-/// Random assemblies of one to twelve elements: solids, rooms, openings; touching in every way, overlapping, nested, slivered, turned,
+/// Random assemblies of one to twelve pieces: solids, rooms, openings; touching in every way, overlapping, nested, slivered, turned,
 /// sloped, near-coplanar, far from the origin, tiny and huge.
 pub fn assemblies() -> impl Strategy<Value = Assembly> {
     let scale = prop_oneof![8 => Just(1.0), 1 => Just(0.02), 1 => Just(100.0)];

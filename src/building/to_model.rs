@@ -16,7 +16,8 @@ impl Building {
     /// `floor`, `side` and `ceiling`, after what a face is of its volume.
     ///
     /// Neighbours have the same triangles, the other way round, with corners equal to the last bit:
-    /// [`sew_volumes`](crate::sew::sew_volumes) makes the same map of them again.
+    /// [`sew_volumes`](crate::sew::sew_volumes) makes the same map of them again, its faces cut into triangles. Where rounding has left
+    /// a volume without a height over a part, or a face narrower than the digits of an f64, which then has no triangles, it may not.
     ///
     /// # Errors
     /// [`ImportError`]: there are more volumes than a model may have elements, or they take more memory than one may.
@@ -90,20 +91,22 @@ fn normal(corners: &[DVec3]) -> DVec3 {
 fn fans(corners: &[DVec3], outward: DVec3) -> Vec<[DVec3; 3]> {
     let mut left = corners.to_vec();
     let mut triangles = Vec::new();
+    let whole = normal(corners).dot(outward);
     while left.len() > 3 {
         let n = left.len();
+        let left_area = normal(&left).dot(outward);
         let ear = |i: usize| [left[(i + n - 1) % n], left[i], left[(i + 1) % n]];
         // Of all ears that leave something, the one that is least of a sliver.
         let height = |i: usize| {
-            let rest: Vec<DVec3> = (1..n).map(|k| left[(i + k) % n]).collect();
             let longest = |[a, b, c]: [DVec3; 3]| {
                 a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
             };
-            let own = normal(&ear(i)).dot(outward) / longest(ear(i));
-            let others = normal(&rest).dot(outward) / normal(corners).dot(outward);
-            own.min(others)
+            let area = normal(&ear(i)).dot(outward);
+            let height = (area / longest(ear(i))).min((left_area - area) / whole);
+            if height.is_nan() { f64::NEG_INFINITY } else { height }
         };
-        let best = (0..n).max_by(|&i, &j| height(i).total_cmp(&height(j))).unwrap_or(0);
+        let heights: Vec<f64> = (0..n).map(height).collect();
+        let best = (0..n).max_by(|&i, &j| heights[i].total_cmp(&heights[j])).unwrap_or(0);
         triangles.push(ear(best));
         left.remove(best);
     }

@@ -241,7 +241,7 @@ impl Run<'_> {
             let is_same = meaning.is_some() && meaning == means(other, kinds[1]);
             (one == other && kinds[0] == kinds[1]) || (one.top == other.top && is_same)
         };
-        before.len() == here.len() && before.zip(here).all(is_same)
+        before.len() == here.len() && !here.is_empty() && before.zip(here).all(is_same)
     }
 
     fn cover(&self, cover: &Cover, kinds: &[FaceKind], number: usize) -> Result<CoverRecord, String> {

@@ -90,7 +90,7 @@ pub struct PartitionOptions {
     /// What to make of elements without a tag.
     pub untagged: Untagged,
     /// Heights at which space is cut into slabs, metres in the internal frame, beside the hull's own ends; those beyond it count for
-    /// nothing. `None`: those that carry much level area, as floors do. Answers are as right with any.
+    /// nothing, and each makes work. `None`: those that carry much level area, as floors do. Answers are as right with any.
     pub levels: Option<Vec<f64>>,
     /// What it may cost, beside the model itself.
     pub limits: Limits,

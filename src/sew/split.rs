@@ -52,7 +52,7 @@ pub(super) struct Grid {
 /// Buckets along an axis, at most. Storeys that are nearly alike have very many sites beside each other.
 const MOST: f64 = 2048.0;
 /// A site that lies on a line is no farther from it than this when both are rounded to f64, lattice units: those have 24 bits before the
-/// point, and are off by 2^-29 at most.
+/// point, and are off by some 2^-29, and so is what is computed from them by some 2^-26.
 const ROUNDED: f64 = 1e-6;
 
 impl Grid {

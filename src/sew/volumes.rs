@@ -34,7 +34,7 @@ pub enum VolumesError {
         /// Of how many triangles it is an edge.
         triangles: usize,
     },
-    /// So many triangles have the same corners that it is not clear which face each other.
+    /// Several triangles have the same corners, and do not face each other, or it is not clear which do.
     #[error("element {element}: the triangle at {at:?} is there {times} times")]
     Crowded {
         /// The path of one that has it.
@@ -138,7 +138,7 @@ impl Draft {
             };
             let pairs: Option<Vec<[Dart; 2]>> = match faces[..] {
                 [_] => Some(Vec::new()),
-                [one, other] => Some(vec![[one, other]]),
+                [one, other] if is_even(one) != is_even(other) => Some(vec![[one, other]]),
                 _ => {
                     let (even, odd): (Vec<Dart>, Vec<Dart>) = faces.iter().partition(|&&face| is_even(face));
                     match (&even[..], &odd[..]) {

@@ -346,7 +346,7 @@ impl<'a> Path<'a> {
             is_near_edge |= down && up && (t_down - t_up).abs() * grows.abs() < 4.0 * BLURRED;
             let cover = self.cover(covers, t, BLURRED * (1.0 + self.plan.length / grows.abs()))?;
             // By a side, too, that it runs along and never comes to.
-            is_near_edge |= inward(sides, self.origin + self.direction * t) < BLURRED;
+            let is_near_edge = is_near_edge || inward(sides, self.origin + self.direction * t) < BLURRED;
             return Some(Exit {
                 t: t + self.start,
                 cell: cover.cell,

@@ -16,6 +16,9 @@ pub use space::{Finding, Space, cosine};
 ///
 /// `displacement` is what the partition reports as its [largest](crate::partition::PartitionReport::largest_displacement), metres:
 /// what is no wider than that can do is rounding.
+///
+/// # Panics
+/// If an index is not there, or a cell has no corners: [`Partition::check`] tells.
 pub fn check_cells(partition: &Partition, displacement: f64) -> Vec<Finding> {
     structure::check(&Space::new(partition), partition.lattice.steps(displacement))
 }
