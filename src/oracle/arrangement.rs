@@ -65,6 +65,17 @@ fn foot([p, q]: [Point; 2], from: Point) -> Point {
     }
 }
 
+/// The part of a segment that lies within `radius` of the point of it that is nearest to the origin: numbers of the disc's size
+/// are rounded by less.
+fn clipped(segment: [Point; 2], radius: f64) -> [Point; 2] {
+    let middle = foot(segment, [0.0; 2]);
+    segment.map(|end| {
+        let way = minus(end, middle);
+        let length = norm(way);
+        if length > radius { along(middle, radius / length, way) } else { end }
+    })
+}
+
 /// Grows with the angle from the x axis, without the rounding of an arc tangent.
 fn turn(d: Point) -> f64 {
     let slope = d[1] / (d[0].abs() + d[1].abs());
@@ -80,7 +91,7 @@ impl Arrangement {
     /// Adds a segment, if it meets the disc.
     pub(crate) fn add(&mut self, segment: [Point; 2]) {
         if norm(foot(segment, [0.0; 2])) <= self.radius {
-            self.segments.push(segment);
+            self.segments.push(clipped(segment, 2.0 * self.radius));
         }
     }
 
@@ -118,8 +129,7 @@ impl Arrangement {
             }
         }
         self.segments.sort_by(order);
-        self.segments.dedup();
-        self.segments.truncate(SEGMENTS);
+        self.unite();
 
         let mut points = vec![[0.0; 2]];
         for &segment in &self.segments {
@@ -143,6 +153,44 @@ impl Arrangement {
         points.retain(|p| known.insert(self.rounded(*p, 0.25)));
         points.truncate(POINTS);
         points
+    }
+
+    /// Makes one of segments of one line that overlap, which cut the same faces: where floors meet, hundreds of edges lie in a
+    /// line. Keeps the nearest.
+    fn unite(&mut self) {
+        let mut united: Vec<[Point; 2]> = Vec::new();
+        for segment in std::mem::take(&mut self.segments) {
+            let whole =
+                united.iter().enumerate().find_map(|(i, other)| Some((i, self.union(*other, segment)?)));
+            match whole {
+                Some((i, whole)) => united[i] = whole,
+                None if united.len() < SEGMENTS => united.push(segment),
+                None => {}
+            }
+        }
+        self.segments = united;
+    }
+
+    /// What two segments cover, if they lie on one line and overlap, as far as the steps tell.
+    fn union(&self, one: [Point; 2], other: [Point; 2]) -> Option<[Point; 2]> {
+        let near = self.step / 16.0;
+        let [long, short] = if norm(minus(one[1], one[0])) >= norm(minus(other[1], other[0])) {
+            [one, other]
+        } else {
+            [other, one]
+        };
+        let way = unit(minus(long[1], long[0]))?;
+        if short.iter().any(|end| cross(way, minus(*end, long[0])).abs() > near) {
+            return None;
+        }
+        let place = |p: Point| (p[0] - long[0][0]) * way[0] + (p[1] - long[0][1]) * way[1];
+        let mut ends = [long[0], long[1], short[0], short[1]].map(|p| (place(p), p));
+        let [start, end] = [ends[2].0.min(ends[3].0), ends[2].0.max(ends[3].0)];
+        if start > ends[1].0 + near || end < -near {
+            return None;
+        }
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Some([ends[0].1, ends[3].1])
     }
 
     /// Tells points apart that are some share of the step from each other.
@@ -233,6 +281,26 @@ mod tests {
         let points = one.points();
         assert!(points.iter().any(|p| p[0] > 0.25 && p[1] == 0.0 && p[0] < 0.250_002));
         assert!(points.iter().any(|p| p[1] < -0.5), "{points:?}");
+    }
+
+    #[test]
+    fn segments_of_one_line_are_one() {
+        let mut many = Arrangement::new(1e-3, 1e-9);
+        for i in 0..200 {
+            let end = f64::from(i) * 1e-6;
+            many.add([[-3.0 - end, 1e-6], [end, 1e-6 * (1.0 + f64::EPSILON)]]);
+        }
+        many.add([[1e-4, -1.0], [1e-4, 1e-6]]);
+        // On the same line, but apart; and parallel to it.
+        many.add([[5e-4, 1e-6], [3.0, 1e-6]]);
+        many.add([[-1.0, 1.1e-6], [1.0, 1.1e-6]]);
+        let points = many.clone().points();
+        many.unite();
+        assert_eq!(many.segments.len(), 4, "{:?}", many.segments);
+        let beside =
+            |x: f64, y: f64| points.iter().any(|p| (p[0] - x).abs() < 2e-9 && (p[1] - y).abs() < 2e-9);
+        assert!(beside(1e-4 + 1e-9, 1e-6 - 1e-9) && beside(1e-4 - 1e-9, 1e-6 - 1e-9));
+        assert!(beside(199e-6 + 1e-9, 1e-6) && beside(5e-4 - 1e-9, 1e-6));
     }
 
     proptest! {
