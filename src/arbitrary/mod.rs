@@ -1,8 +1,8 @@
 //! Strategies for property tests, and what must hold of what they make (feature `proptest`).
 //!
 //! [`assemblies`] are small models that are degenerate on purpose; [`steps`] and [`maps`] make generalized maps by whatever is done
-//! to one; [`drawings`] are generated buildings, and [`damage`] what a tool's export may do to one. [`check_cells`]
-//! and [`check_building`] find what a partition, or a building's map, may never be.
+//! to one; [`drawings`] are generated buildings, and [`damage`] what a tool's export may do to one. [`check_cells`] finds what
+//! a partition may never be; what its map may never be, [`examine`](crate::validate::examine) finds.
 //!
 //! All of it shrinks: to few elements, few steps, no damage.
 //!
@@ -25,7 +25,7 @@ mod maps;
 mod shape;
 
 pub use assembly::{Assembly, CLASSES, Defect, Piece, Relation, assemblies};
-pub use check::{Finding, Space, check_building, check_cells, cosine};
+pub use check::{Finding, Space, check_cells, cosine};
 pub use damage::{damage, drawings};
 pub use maps::{Outcome, Step, maps, steps};
-pub use shape::{Mesh, Shape, volume};
+pub use shape::{Mesh, Shape};

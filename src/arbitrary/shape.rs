@@ -129,13 +129,3 @@ fn ears(outline: &[[f64; 2]]) -> Vec<[usize; 3]> {
     triangles.push([left[0], left[1], left[2]]);
     triangles
 }
-
-/// The volume inside a closed mesh, by the divergence theorem; less than nothing if it is inside out.
-pub fn volume(mesh: &Mesh) -> f64 {
-    let six = |[a, b, c]: &[[f64; 3]; 3]| {
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-            + a[1] * (b[2] * c[0] - b[0] * c[2])
-            + a[2] * (b[0] * c[1] - b[1] * c[0])
-    };
-    mesh.iter().map(six).sum::<f64>() / 6.0
-}

@@ -118,6 +118,12 @@ struct Extent {
     faces: Vec<u32>,
 }
 
+/// A normal of a polygon, of twice its area.
+fn normal(corners: &[DVec3]) -> DVec3 {
+    let Some(&first) = corners.first() else { return DVec3::ZERO };
+    corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
+}
+
 /// What is known of a model's elements.
 fn elements(model: &Model) -> Vec<Element> {
     let by_id: BTreeMap<&str, u32> =
@@ -231,8 +237,7 @@ impl Building {
     /// The middle of a face, by area; metres, internal frame.
     pub(crate) fn middle(&self, face: u32) -> DVec3 {
         let corners: Vec<DVec3> = self.corners(face).map(DVec3::from).collect();
-        let normal: DVec3 =
-            corners.windows(2).map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0])).sum();
+        let normal = normal(&corners);
         let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
         for pair in corners.windows(2) {
             let own = (pair[0] - corners[0]).cross(pair[1] - corners[0]).dot(normal);

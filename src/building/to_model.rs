@@ -3,7 +3,7 @@
 use enfilade_importers::{Frame, ImportError, Material, Model, ModelBuilder, NewElement, Semantic};
 use glam::DVec3;
 
-use super::Building;
+use super::{Building, normal};
 use crate::partition::cells::NONE;
 use crate::sew::{Part, Sewn, Way};
 
@@ -78,12 +78,6 @@ impl Building {
             }
         }
     }
-}
-
-/// A normal of a polygon, of twice its area.
-fn normal(corners: &[DVec3]) -> DVec3 {
-    let Some(&first) = corners.first() else { return DVec3::ZERO };
-    corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
 }
 
 /// A convex polygon, some of whose corners may lie between others, cut into triangles that all have an area, if that can be. Counter-clockwise

@@ -89,9 +89,6 @@ pub enum PartitionError {
 pub struct PartitionOptions {
     /// What to make of elements without a tag.
     pub untagged: Untagged,
-    /// Heights at which space is cut into slabs, metres in the internal frame, beside the hull's own ends; those beyond it count for
-    /// nothing, and each makes work. `None`: those that carry much level area, as floors do. Answers are as right with any.
-    pub levels: Option<Vec<f64>>,
     /// What it may cost, beside the model itself.
     pub limits: Limits,
     /// Progress and cancellation.
@@ -102,12 +99,6 @@ impl PartitionOptions {
     /// The default, but for what is made of elements without a tag.
     pub fn with_untagged(mut self, untagged: Untagged) -> PartitionOptions {
         self.untagged = untagged;
-        self
-    }
-
-    /// The default, but for where space is cut into slabs.
-    pub fn with_levels(mut self, levels: Vec<f64>) -> PartitionOptions {
-        self.levels = Some(levels);
         self
     }
 
@@ -153,10 +144,7 @@ pub fn partition(
     lap(&mut report, "bodies")?;
     let triangles = faces::lay(&mut bodies);
     let hull = hull(&bodies);
-    let levels = match &options.levels {
-        Some(levels) => slabs::given_levels(levels, hull, &bodies.lattice),
-        None => slabs::choose_levels(&triangles, hull, &bodies.lattice),
-    };
+    let levels = slabs::choose_levels(&triangles, hull, &bodies.lattice);
     report.repairs = moved::of_faces(&bodies, &triangles);
     lap(&mut report, "faces")?;
     let lattice = bodies.lattice;

@@ -117,17 +117,6 @@ fn plan_edges(triangles: &[Triangle], [low, high]: [i32; 2]) -> usize {
     segments.len()
 }
 
-/// The same, of heights that somebody chose, metres.
-pub(super) fn given_levels(heights: &[f64], hull: [[i32; 3]; 2], lattice: &Lattice) -> Vec<i32> {
-    let [low, high] = hull.map(|end| end[2]);
-    let rounded =
-        heights.iter().filter(|z| z.is_finite()).map(|&z| Lattice::round(lattice.local([0.0, 0.0, z]))[2]);
-    let mut levels: Vec<i32> = rounded.filter(|&z| low < z && z < high).chain([low, high]).collect();
-    levels.sort_unstable();
-    levels.dedup();
-    levels
-}
-
 /// The slab between two levels.
 pub(super) fn cut(triangles: &[Triangle], levels: [i32; 2], hull: [[i32; 3]; 2]) -> Slab {
     let [lo, hi] = [0, 1].map(|end| Point::new(hull[end][0], hull[end][1]));

@@ -14,6 +14,8 @@ pub struct VolumeMap {
     pub map: GMap,
     /// By dart: the element.
     pub element_of: Vec<ElementId>,
+    /// By dart: the triangle, as index in the element's mesh.
+    pub triangle_of: Vec<u32>,
     /// By dart: the place of its vertex, metres in the internal frame.
     pub point_of: Vec<[f64; 3]>,
 }
@@ -82,7 +84,7 @@ struct Draft {
 
 impl Draft {
     fn add(&mut self, element: &Element, id: ElementId) -> Result<(), VolumesError> {
-        let VolumeMap { map, element_of, point_of } = &mut self.made;
+        let VolumeMap { map, element_of, triangle_of, point_of } = &mut self.made;
         let mut edges: BTreeMap<[u32; 2], Vec<(MaterialId, Dart)>> = BTreeMap::new();
         for (number, triangle) in element.mesh.triangles.iter().enumerate() {
             let (corners, material) = (element.mesh.corners(number), element.mesh.materials[number]);
@@ -91,6 +93,7 @@ impl Draft {
             for side in 0..3 {
                 let (a, b) = (side, (side + 1) % 3);
                 element_of.extend([id; 2]);
+                triangle_of.extend([number as u32; 2]);
                 point_of.extend([corners[a], corners[b]]);
                 let [from, to] = [triangle[a], triangle[b]];
                 let dart = if from < to { start } else { map.alpha(0, start) };
@@ -124,7 +127,7 @@ impl Draft {
 
     /// Links triangles of the same corners.
     fn face_each_other(&mut self, model: &Model) -> Result<(), VolumesError> {
-        let VolumeMap { map, element_of, point_of } = &mut self.made;
+        let VolumeMap { map, element_of, point_of, .. } = &mut self.made;
         let darts_of = |map: &GMap, face: Dart| -> Vec<Dart> {
             map.around_face(face).flat_map(|dart| [dart, map.alpha(0, dart)]).collect()
         };

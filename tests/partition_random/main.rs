@@ -2,6 +2,8 @@
 //!
 //! `PROPTEST_CASES` says how many buildings are tried; without it, a few hundred, always the same.
 
+#[path = "../common/cases.rs"]
+mod cases;
 mod found;
 mod points;
 mod truth;
@@ -9,27 +11,20 @@ mod walk;
 
 use std::collections::BTreeMap;
 
-use enfilade::arbitrary::{Assembly, CLASSES, Finding, Space, assemblies, check_building, check_cells};
+use cases::cases;
+use enfilade::arbitrary::{Assembly, CLASSES, Finding, Space, assemblies, check_cells};
 use enfilade::building::Building;
 use enfilade::importers::Model;
 use enfilade::lattice::FINE;
 use enfilade::partition::cells::{Label, Partition};
 use enfilade::partition::{PartitionOptions, partition};
 use enfilade::sew::{Topology, sew};
+use enfilade::validate::examine;
 use enfilade::{CompileOptions, Scene, compile};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use proptest::test_runner::{RngSeed, TestRunner};
+use proptest::test_runner::TestRunner;
 use truth::{Meshes, Random};
-
-/// So many cases, always the same; or as many as the environment asks for, at random.
-fn cases(few: u32) -> ProptestConfig {
-    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
-    match std::env::var_os("PROPTEST_CASES") {
-        Some(_) => config,
-        None => ProptestConfig { cases: few, rng_seed: RngSeed::Fixed(1), ..config },
-    }
-}
 
 /// Some seconds. Before the last mends one building in some two thousand was found with something wrong: a change of the
 /// partition is to be tried with ten thousand.
@@ -78,8 +73,8 @@ proptest! {
     fn cells_have_a_map(assembly in assemblies()) {
         let model = assembly.model();
         let building = Building::new(&model, &made(&model)).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        let findings = check_building(&building);
-        prop_assert!(findings.is_empty(), "{findings:?}");
+        let report = examine(&building);
+        prop_assert!(!report.is_fatal(), "{:?}", report.findings);
     }
 
     #[test]

@@ -45,9 +45,9 @@ impl<'a> Meshes<'a> {
             Truth::new(model, only, &TruthOptions::default())
         };
         let volume = |e: &enfilade::importers::Element| {
-            let mesh = (0..e.mesh.triangles.len()).map(|t| e.mesh.corners(t)).collect();
+            let mesh: Vec<_> = (0..e.mesh.triangles.len()).map(|t| e.mesh.corners(t)).collect();
             let is_mixed = components(&e.mesh).iter().any(|c| c.orientation == Orientation::Mixed);
-            (!is_mixed).then(|| enfilade::arbitrary::volume(&mesh).abs())
+            (!is_mixed).then(|| volume(&mesh).abs())
         };
         let mut meshes = Meshes {
             model,
@@ -207,6 +207,16 @@ fn distance([a, b, c]: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
     }
     let whole = va + vb + vc;
     to(along(along(a, ab, vb / whole), ac, vc / whole))
+}
+
+/// The volume inside a closed mesh, by the divergence theorem; less than nothing if it is inside out.
+fn volume(mesh: &[[[f64; 3]; 3]]) -> f64 {
+    let six = |[a, b, c]: &[[f64; 3]; 3]| {
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    };
+    mesh.iter().map(six).sum::<f64>() / 6.0
 }
 
 /// Numbers without order, the same on every machine.

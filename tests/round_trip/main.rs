@@ -3,32 +3,26 @@
 //! `PROPTEST_CASES` says how many buildings are tried; without it, a few, always the same.
 #![cfg(all(feature = "compile", feature = "obj"))]
 
+#[path = "../common/cases.rs"]
+mod cases;
 mod outline;
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
+use cases::cases;
 use enfilade::arbitrary::assemblies;
 use enfilade::building::Building;
 use enfilade::generate::{HouseOptions, OfficeOptions, build1, house};
-use enfilade::gmap::GMap;
+use enfilade::gmap::{Dart, GMap};
 use enfilade::importers::{ImportOptions, Model, Semantic, UpAxis, obj, tagging};
 use enfilade::partition::cells::NONE;
 use enfilade::partition::{PartitionOptions, partition};
-use enfilade::sew::{Sewn, VolumesError, sew_volumes};
-use outline::Outline;
+use enfilade::sew::{Part, Sewn, VolumesError, sew_volumes};
+use outline::{Outline, Side};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use proptest::test_runner::{RngSeed, TestRunner};
-
-/// So many cases, always the same; or as many as the environment asks for, at random.
-fn cases(few: u32) -> ProptestConfig {
-    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
-    let config = ProptestConfig { max_global_rejects: config.cases.max(few), ..config };
-    match std::env::var_os("PROPTEST_CASES") {
-        Some(_) => config,
-        None => ProptestConfig { cases: few, rng_seed: RngSeed::Fixed(1), ..config },
-    }
-}
+use proptest::test_runner::TestRunner;
 
 fn built(model: &Model) -> Building {
     let (cells, _) = partition(model, &PartitionOptions::default()).unwrap();
@@ -66,8 +60,8 @@ enum Outcome {
     Same,
     Different(String),
     /// They are no meshes that can be told apart. Where planes are rounded so that a volume has no height, its floor lies on its ceiling: of
-    /// several such volumes on each other no mesh tells the order, a diagonal of the one may lie on an edge of the other, and what
-    /// is narrower than the digits of an f64 has no triangles.
+    /// several such volumes on each other no mesh tells the order, a diagonal of the one may lie on an edge of the other; what
+    /// is narrower than the digits of an f64 has no triangles, and corners nearer than that are one.
     NoMeshes,
 }
 
@@ -90,7 +84,11 @@ fn outcome(building: &Building) -> Outcome {
     let topology = &building.topology;
     let sides = |face: &Sewn| if face.other == NONE { 1 } else { 2 };
     let triangles = |face: &Sewn| sides(face) * (topology.map.around_face(face.dart).count() - 2);
-    let is_whole = model.triangle_count() as usize == topology.faces.iter().map(triangles).sum::<usize>();
+    let has_all_triangles =
+        model.triangle_count() as usize == topology.faces.iter().map(triangles).sum::<usize>();
+    let positions = model.elements.iter().flat_map(|element| &element.mesh.positions);
+    let apart: HashSet<[u64; 3]> = positions.map(|p| p.map(f64::to_bits)).collect();
+    let is_whole = has_all_triangles && apart.len() == topology.points.len();
     let again = match sew_volumes(&model) {
         Ok(again) => again,
         Err(VolumesError::Crowded { .. } | VolumesError::Edge { triangles: 4.., .. }) => {
@@ -102,21 +100,44 @@ fn outcome(building: &Building) -> Outcome {
     if let Err(defect) = again.map.check() {
         return Outcome::Different(defect.to_string());
     }
-    let lattice = &building.lattice;
-    let one = Outline::of(
-        topology.map.clone(),
-        |dart| topology.cell_of[dart.index()],
-        |dart| topology.points[topology.vertex_of[dart.index()] as usize],
-    );
-    let other = Outline::of(
+    let material = |dart: Dart| {
+        let mesh = &model.elements[again.element_of[dart.index()].0 as usize].mesh;
+        let material = mesh.materials[again.triangle_of[dart.index()] as usize];
+        model.materials[material.0 as usize].name.as_str()
+    };
+    let side = |corners: &[Dart]| match material(corners[0]) {
+        "floor" => Side::Below,
+        "ceiling" => Side::Above,
+        _ => Side::upright(corners.iter().map(|c| building.lattice.local(again.point_of[c.index()]))),
+    };
+    let number = |dart: Dart| number(again.element_of[dart.index()].0 as usize);
+    match own_outline(building, topology.map.clone()).is_isomorphic(&Outline::of(
         again.map.clone(),
-        |dart| number(again.element_of[dart.index()].0 as usize),
-        |dart| lattice.local(again.point_of[dart.index()]),
-    );
-    match one.is_isomorphic(&other) {
+        number,
+        side,
+    )) {
         Ok(()) => Outcome::Same,
+        Err(_) if !is_whole => Outcome::NoMeshes,
         Err(what) => Outcome::Different(what),
     }
+}
+
+/// The outline of a building's map, or of what became of it.
+fn own_outline(building: &Building, map: GMap) -> Outline {
+    let topology = &building.topology;
+    let hull: HashMap<Dart, Part> = topology
+        .faces
+        .iter()
+        .filter(|face| face.other == NONE)
+        .flat_map(|face| topology.map.around_face(face.dart).map(|dart| (dart, face.way.part(true))))
+        .collect();
+    let point = |dart: &Dart| topology.points[topology.vertex_of[dart.index()] as usize];
+    let side = |corners: &[Dart]| match corners.iter().find_map(|dart| hull.get(dart)) {
+        Some(Part::Floor) => Side::Below,
+        Some(Part::Ceiling) => Side::Above,
+        _ => Side::upright(corners.iter().map(point)),
+    };
+    Outline::of(map, |dart| topology.cell_of[dart.index()], side)
 }
 
 proptest! {
@@ -157,13 +178,7 @@ fn generated_buildings_are_sewn_to_the_same_map() {
 fn other_maps_are_not_the_same() {
     let building = built(&house(&HouseOptions::default()).to_model().unwrap());
     let topology = &building.topology;
-    let outline = |map: GMap| {
-        Outline::of(
-            map,
-            |dart| topology.cell_of[dart.index()],
-            |dart| topology.points[topology.vertex_of[dart.index()] as usize],
-        )
-    };
+    let outline = |map: GMap| own_outline(&building, map);
     let own = outline(topology.map.clone());
     assert_eq!(own.is_isomorphic(&outline(topology.map.clone())), Ok(()));
     for face in topology.faces.iter().filter(|face| face.other != NONE).step_by(50) {

@@ -11,14 +11,34 @@ pub struct Outline {
     number: Vec<u32>,
 }
 
+/// A side of the box, or that opposite to it: no convex volume has an edge between two such.
+#[derive(Clone, Copy, Debug)]
+pub enum Side {
+    AcrossX,
+    AcrossY,
+    Below,
+    Above,
+}
+
+impl Side {
+    /// That on which a face lies that is neither below nor above: of one x or of one y.
+    pub fn upright(corners: impl Iterator<Item = [f64; 3]> + Clone) -> Side {
+        let spread = |axis: usize| {
+            let along = corners.clone().map(|p| p[axis]);
+            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+        };
+        if spread(0) < spread(1) { Side::AcrossX } else { Side::AcrossY }
+    }
+}
+
 /// What a face is between, the lesser first.
 type Between = [i64; 2];
 
 impl Outline {
     /// Of a map of convex volumes in a box: faces between the same two volumes, or between a volume and the same side of the box, become
-    /// one, and edges between the same faces. `number` and `point` are the number of a dart's volume and the place of its vertex, along
-    /// the box's axes.
-    pub fn of(mut map: GMap, number: impl Fn(Dart) -> u32, point: impl Fn(Dart) -> [f64; 3]) -> Outline {
+    /// one, and edges between the same faces. `number` is that of a dart's volume, `side` that of the side of the box on which a free face
+    /// lies, told by the darts at its corners.
+    pub fn of(mut map: GMap, number: impl Fn(Dart) -> u32, side: impl Fn(&[Dart]) -> Side) -> Outline {
         let darts: Vec<Dart> = map.darts().collect();
         let numbers: Vec<u32> = darts.iter().map(|&dart| number(dart)).collect();
         let mut between: Vec<Option<Between>> = vec![None; map.table_len()];
@@ -26,7 +46,7 @@ impl Outline {
             if between[first.index()].is_none() {
                 let beyond = map.alpha(3, first);
                 let other = if beyond == first {
-                    side_of_box(&map, first, &point)
+                    -1 - side(&map.around_face(first).collect::<Vec<Dart>>()) as i64
                 } else {
                     i64::from(number(beyond))
                 };
@@ -104,16 +124,4 @@ impl Outline {
         }
         known.len() == self.map.len()
     }
-}
-
-/// A number for each of the six sides of the box, less than that of any volume.
-fn side_of_box(map: &GMap, face: Dart, point: &impl Fn(Dart) -> [f64; 3]) -> i64 {
-    let corners: Vec<[f64; 3]> = map.around_face(face).map(point).collect();
-    // On one side of the box one coordinate is the same all over.
-    let spread = |axis: usize| {
-        let all = corners.iter().map(|p| p[axis]);
-        all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
-    };
-    let axis = (0..3).min_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
-    -1 - axis as i64
 }
