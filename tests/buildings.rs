@@ -168,6 +168,9 @@ fn cells_hold_what_the_meshes_say() {
         };
         let solids = with(&|e| roles[e.0 as usize] == Role::Solid);
         let rooms = with(&|e| model.elements[e.0 as usize].semantic == Semantic::Room);
+        let openings = with(&|e| {
+            roles[e.0 as usize] == Role::Air && model.elements[e.0 as usize].semantic != Semantic::Room
+        });
         // Of these, cells may say more or less than the meshes: what is open was mended, or is detail.
         let not_carved: BTreeSet<&str> =
             report.not_carved_elements.iter().map(|(path, _)| path.as_str()).collect();
@@ -208,7 +211,9 @@ fn cells_hold_what_the_meshes_say() {
                 let is_right = match label {
                     Label::Solid(e) => !sure.is_empty() || !doubts.is_empty() || is_doubtful(e),
                     _ if !sure.is_empty() => false,
-                    Label::Air(e) if model.elements[e.0 as usize].semantic != Semantic::Room => true,
+                    Label::Air(e) if model.elements[e.0 as usize].semantic != Semantic::Room => {
+                        is_doubtful(e) || openings.solids_at(point).contains(&e)
+                    }
                     Label::Air(e) => smallest.is_none_or(|room| room == e),
                     _ => smallest.is_none(),
                 };
