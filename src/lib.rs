@@ -71,6 +71,8 @@ pub mod lattice;
 #[cfg(feature = "compile")]
 pub mod oracle;
 #[cfg(feature = "compile")]
+mod parallel;
+#[cfg(feature = "compile")]
 pub mod partition;
 #[cfg(feature = "render")]
 pub mod render;

@@ -164,7 +164,7 @@ impl Run<'_> {
         let mut first = 0;
         while first < jobs {
             let wave = (jobs - first).min(WAVE);
-            let accounts = crate::oracle::parallel::map(wave as usize, |job| {
+            let accounts = crate::parallel::map(wave as usize, |job| {
                 let start = (first + job as u64) * JOB;
                 self.job(kind, start, count.min(start + JOB))
             });

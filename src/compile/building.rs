@@ -69,7 +69,8 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
 
 fn add_room(element: u32, part: &Part, volumes: Range<usize>, tables: &mut Tables) {
     let room = tables.rooms.len() as u32;
-    let mut bounds = part.pieces[0].component.bounds;
+    // An element without triangles is nowhere.
+    let mut bounds = part.pieces.first().map_or([[0.0; 3]; 2], |piece| piece.component.bounds);
     for piece in &part.pieces {
         let [lo, hi] = piece.component.bounds;
         bounds[0] = [0, 1, 2].map(|axis| bounds[0][axis].min(lo[axis]));

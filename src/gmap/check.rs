@@ -3,6 +3,7 @@
 use super::dart::{Dart, GMap};
 use super::marks::Marks;
 use super::orbit::Orbit;
+use crate::parallel;
 
 /// What is wrong with a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -187,11 +188,13 @@ impl GMap {
 
     /// The shapes of all volumes, each with its lowest dart: in time by the size of the map.
     pub fn shapes(&self) -> Vec<(Dart, Shape)> {
-        let volumes = self.index(Orbit::Volume);
+        let orbits = [Orbit::VertexOfVolume, Orbit::EdgeOfVolume, Orbit::HalfFace, Orbit::Volume];
+        let cells = parallel::map(orbits.len(), |i| self.index(orbits[i]));
+        let volumes = &cells[3];
         let whole = Shape { vertices: 0, edges: 0, faces: 0, is_closed: true, is_orientable: true };
         let mut shapes: Vec<(Dart, Shape)> = volumes.darts().iter().map(|&dart| (dart, whole)).collect();
-        for orbit in [Orbit::VertexOfVolume, Orbit::EdgeOfVolume, Orbit::HalfFace] {
-            for &dart in self.index(orbit).darts() {
+        for (orbit, cells) in orbits.into_iter().zip(&cells[..3]) {
+            for &dart in cells.darts() {
                 let shape = &mut shapes[volumes.of(dart) as usize].1;
                 *match orbit {
                     Orbit::VertexOfVolume => &mut shape.vertices,
@@ -212,7 +215,7 @@ impl GMap {
 
     /// Vertices less edges plus faces less volumes of the whole map.
     pub fn euler(&self) -> i64 {
-        let count = Orbit::CELLS.map(|orbit| self.count(orbit) as i64);
+        let count = parallel::map(Orbit::CELLS.len(), |i| self.count(Orbit::CELLS[i]) as i64);
         count[0] - count[1] + count[2] - count[3]
     }
 }

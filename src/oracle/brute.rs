@@ -6,7 +6,8 @@
 
 use super::soup::{Best, Nearest, Soup};
 use super::triangle::{Line, Size};
-use super::{parallel, vector};
+use super::vector;
+use crate::parallel;
 use crate::trace::Ray;
 
 const LANES: usize = 8;

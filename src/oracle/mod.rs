@@ -12,7 +12,6 @@ mod exact;
 pub(crate) mod fixtures;
 mod grid;
 mod leave;
-pub(crate) mod parallel;
 mod random;
 pub mod rays;
 pub mod right;
@@ -23,6 +22,8 @@ mod vector;
 mod witness;
 
 use enfilade_importers::{ElementId, Model, Role};
+
+use crate::parallel;
 
 pub use rays::{RayKind, RaySource};
 pub use right::{Judgement, Verdict, Why};

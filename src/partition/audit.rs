@@ -18,7 +18,7 @@ use super::cells::Partition;
 use super::halfspaces::{Body, Bounds, Cutter, HalfSpace, Piece, are_wider};
 use super::matter::MatterTriangle;
 use super::shapes::prism;
-use crate::oracle::parallel;
+use crate::parallel;
 
 /// Tolerances of [`audit`].
 #[derive(Clone, Debug, PartialEq)]

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::halfspaces::Bounds;
+use crate::parallel;
 
 /// Boxes in a tree.
 #[derive(Clone, Debug, Default)]
@@ -134,24 +135,14 @@ fn build(items: &mut [Item], nodes: &mut [Node], first: usize, place: usize) {
     let (left, right) = items.split_at_mut(half);
     let (left_nodes, right_nodes) = nodes[1..].split_at_mut(node_count(half));
     let right_place = place + 1 + left_nodes.len();
-    both(
-        count >= LARGE,
-        || build(left, left_nodes, first, place + 1),
-        || build(right, right_nodes, first + half, right_place),
-    );
-}
-
-/// Does both, at the same time if that is worth it and there are threads.
-fn both(is_large: bool, a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
-    #[cfg(feature = "rayon")]
-    if is_large {
-        rayon::join(a, b);
-        return;
+    let mut left = || build(left, left_nodes, first, place + 1);
+    let mut right = || build(right, right_nodes, first + half, right_place);
+    if count >= LARGE {
+        parallel::both(left, right);
+    } else {
+        left();
+        right();
     }
-    #[cfg(not(feature = "rayon"))]
-    let _ = is_large;
-    a();
-    b();
 }
 
 #[cfg(test)]

@@ -76,6 +76,9 @@ pub(super) fn join_slivers(
         is_room,
         joined: std::collections::BTreeMap::new(),
         seen: Vec::new(),
+        last_seen: vec![0; stacks.len()],
+        search: 0,
+        found: vec![NONE; stacks.len()],
     };
     for t in 0..stacks.len() as u32 {
         joiner.join_between(t, stacks);
@@ -106,6 +109,12 @@ struct Joiner<'a> {
     joined: std::collections::BTreeMap<Label, Joined>,
     /// Triangles looked at by [`Joiner::is_near`].
     seen: Vec<u32>,
+    /// By triangle: the search that last found it.
+    last_seen: Vec<u32>,
+    /// Searches so far.
+    search: u32,
+    /// By triangle: where the last search from it that found a room ended.
+    found: Vec<u32>,
 }
 
 impl Joiner<'_> {
@@ -261,43 +270,70 @@ impl Joiner<'_> {
         let apex = at(self.plan.corners(t)[(edge + 2) % 3]);
         let middle = |p: [f64; 2], q: [f64; 2]| [(p[0] + q[0]) / 2.0, (p[1] + q[1]) / 2.0];
         let points = [apex, middle(apex, a), middle(apex, b), middle(apex, middle(a, b))];
-        points.into_iter().all(|p| self.is_near(t, p, item, label))
+        let other = self.plan.across[t as usize][edge];
+        points.into_iter().all(|p| self.is_near([t, other], p, item, label))
     }
 
-    /// Whether what was a room's before lies near all of an item that stands over a point of `t`.
-    fn is_near(&mut self, t: u32, p: [f64; 2], item: Item, label: Label) -> bool {
-        let height = |plane: u32, at: [f64; 2]| self.columns.planes[plane as usize].height_f64(at[0], at[1]);
-        let [low, high] = [item.floor, item.ceiling].map(|plane| height(plane, p));
+    /// Whether what was a room's before lies near all of an item that stands over a point of `t`, beside `other`.
+    fn is_near(&mut self, [t, other]: [u32; 2], p: [f64; 2], item: Item, label: Label) -> bool {
+        let [low, high] = [item.floor, item.ceiling]
+            .map(|plane| self.columns.planes[plane as usize].height_f64(p[0], p[1]));
+        // Where it was near another point of the triangle, or those of the one beside it, it mostly is near this.
+        for guess in [self.found[t as usize], self.found[other as usize], other] {
+            if guess != NONE
+                && square_between(p, nearest(self.plan.corners(guess), p)) < self.thin * self.thin
+                && self.is_rooms_over(guess, p, [low, high], label)
+            {
+                self.found[t as usize] = guess;
+                return true;
+            }
+        }
         self.seen.clear();
         self.seen.push(t);
+        self.search = self.search.wrapping_add(1);
+        if self.search == 0 {
+            self.last_seen.fill(0);
+            self.search = 1;
+        }
+        self.last_seen[t as usize] = self.search;
         let mut next = 0;
         while next < self.seen.len().min(MOST_LOOKED_AT) {
             let here = self.seen[next];
             next += 1;
-            let corners = self.plan.corners(here);
-            let is_rooms = |interval: &Interval| self.fills[interval.set as usize] == Some(label);
-            let mut parts = self.columns.stack(here).chunk_by(|a, b| is_rooms(a) == is_rooms(b));
-            // Heights may differ much over a triangle: those at the place next to the point count.
-            let nearest = nearest(corners, p);
-            let is_room = parts.any(|part| {
-                is_rooms(&part[0])
-                    && height(part[0].floor, nearest) < low + self.thin
-                    && height(part[part.len() - 1].ceiling, nearest) > high - self.thin
-            });
-            if is_room {
+            if self.is_rooms_over(here, p, [low, high], label) {
+                self.found[t as usize] = here;
                 return true;
             }
+            let corners = self.plan.corners(here);
             for i in 0..3 {
                 let other = self.plan.across[here as usize][i];
                 if other != NONE
-                    && !self.seen.contains(&other)
-                    && distance(corners[i], corners[(i + 1) % 3], p) < self.thin
+                    && self.last_seen[other as usize] != self.search
+                    && square_distance(corners[i], corners[(i + 1) % 3], p) < self.thin * self.thin
                 {
+                    self.last_seen[other as usize] = self.search;
                     self.seen.push(other);
                 }
             }
         }
         false
+    }
+
+    /// Whether what was a room's before reaches, over a triangle, about as far down and up as `low` and `high`.
+    fn is_rooms_over(&self, t: u32, p: [f64; 2], [low, high]: [f64; 2], label: Label) -> bool {
+        let is_rooms = |interval: &Interval| self.fills[interval.set as usize] == Some(label);
+        let stack = self.columns.stack(t);
+        if !stack.iter().any(is_rooms) {
+            return false;
+        }
+        // Heights may differ much over a triangle: those at the place next to the point count.
+        let at = nearest(self.plan.corners(t), p);
+        let height = |plane: u32| self.columns.planes[plane as usize].height_f64(at[0], at[1]);
+        stack.chunk_by(|a, b| is_rooms(a) == is_rooms(b)).any(|part| {
+            is_rooms(&part[0])
+                && height(part[0].floor) < low + self.thin
+                && height(part[part.len() - 1].ceiling) > high - self.thin
+        })
     }
 }
 
@@ -315,10 +351,14 @@ fn nearest_on(a: Point, b: Point, p: [f64; 2]) -> [f64; 2] {
     [ax + along * dx, ay + along * dy]
 }
 
-/// The distance of a point from a segment.
-fn distance(a: Point, b: Point, p: [f64; 2]) -> f64 {
-    let [x, y] = nearest_on(a, b, p);
-    (p[0] - x).hypot(p[1] - y)
+/// The square of the distance of a point from a segment.
+fn square_distance(a: Point, b: Point, p: [f64; 2]) -> f64 {
+    square_between(p, nearest_on(a, b, p))
+}
+
+fn square_between(p: [f64; 2], q: [f64; 2]) -> f64 {
+    let (x, y) = (p[0] - q[0], p[1] - q[1]);
+    x * x + y * y
 }
 
 /// The point of a counter-clockwise triangle next to another.
@@ -332,7 +372,7 @@ fn nearest(corners: [Point; 3], p: [f64; 2]) -> [f64; 2] {
         return p;
     }
     let on = sides.map(|(a, b)| nearest_on(a, b, p));
-    let off = |q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let off = |q: &[f64; 2]| square_between(p, *q);
     on.into_iter().min_by(|q, r| off(q).total_cmp(&off(r))).unwrap_or(p)
 }
 

@@ -26,7 +26,7 @@ use super::matter::MatterTriangle;
 use super::report::{cubic_metres, six_volume};
 use super::shapes::{Part, Wall, parts, walls};
 use crate::lattice::FINE;
-use crate::oracle::parallel;
+use crate::parallel;
 
 /// Tolerances of the search for surfaces.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,6 +5,8 @@
 //! point may lie on the line, but one on the side of the matter is as good, and there the air is convex. Points are moved
 //! only as far as all triangles around them keep their orientation, so that nothing ever crosses.
 
+use std::collections::HashMap;
+
 use super::moved::Moved;
 use super::plan::{NONE, Plan};
 use super::regions::Simple;
@@ -22,24 +24,28 @@ const PASSES: usize = 4;
 pub(super) fn unkink(simple: &mut Simple) -> Moved {
     let stars = Stars::of(&simple.plan);
     let original = simple.plan.points.clone();
-    // The items of each kind that light passes.
-    let air: Vec<Vec<Item>> = simple
-        .kinds
-        .iter()
-        .map(|stack| {
-            stack.iter().copied().filter(|item| item.fill.is_none_or(|label| label.is_air())).collect()
-        })
-        .collect();
+    let air = air(simple);
+    let places = places();
+    // Points near which something was moved since they were looked at.
+    let mut is_stale = vec![true; stars.count() as usize];
     for _ in 0..PASSES {
         let mut moved = false;
         for v in 0..stars.count() {
             let Some(star) = stars.of_vertex(v) else { continue };
-            let mut mover = Mover { simple, stars: &stars, air: &air };
+            if !std::mem::take(&mut is_stale[v as usize]) {
+                continue;
+            }
+            let mut mover = Mover { simple, stars: &stars, air: &air, places: &places };
             if mover.kinks(v) > 0
                 && let Some(to) = mover.best(v, star, original[v as usize])
             {
                 simple.plan.points[v as usize] = to;
                 moved = true;
+                // What is best for a point follows from the kinks around it, and those from the points around them.
+                for near in stars.around(&simple.plan, v) {
+                    is_stale[near as usize] = true;
+                    stars.around(&simple.plan, near).for_each(|far| is_stale[far as usize] = true);
+                }
             }
         }
         if !moved {
@@ -51,6 +57,32 @@ pub(super) fn unkink(simple: &mut Simple) -> Moved {
         all.add(f64::from(to.x - from.x).hypot(f64::from(to.y - from.y)));
     }
     all
+}
+
+/// By kind of stack: numbers of the items that light passes, ascending; the same items have the same number.
+fn air(simple: &Simple) -> Vec<Vec<u32>> {
+    let mut numbers: HashMap<Item, u32> = HashMap::new();
+    let mut air = Vec::with_capacity(simple.kinds.len());
+    for stack in &simple.kinds {
+        let passed = stack.iter().filter(|item| item.fill.is_none_or(|label| label.is_air()));
+        let mut own: Vec<u32> = passed
+            .map(|item| {
+                let next = numbers.len() as u32;
+                *numbers.entry(*item).or_insert(next)
+            })
+            .collect();
+        own.sort_unstable();
+        air.push(own);
+    }
+    air
+}
+
+/// Where points may be moved to, the nearest first.
+fn places() -> Vec<[i32; 2]> {
+    let steps = -FARTHEST..=FARTHEST;
+    let mut places: Vec<[i32; 2]> = steps.clone().flat_map(|x| steps.clone().map(move |y| [x, y])).collect();
+    places.sort_unstable_by_key(|&[x, y]| (x * x + y * y, x, y));
+    places
 }
 
 /// The triangles around each point, counter-clockwise, as (triangle, which corner the point is).
@@ -107,6 +139,12 @@ impl Stars {
         self.whole.len() as u32
     }
 
+    /// The points that triangles join a point to; none of one at the hull's sides.
+    fn around<'a>(&'a self, plan: &'a Plan, v: u32) -> impl Iterator<Item = u32> + 'a {
+        let star = self.of_vertex(v).unwrap_or(&[]);
+        star.iter().map(|&(t, i)| plan.triangles[t as usize][(i as usize + 1) % 3])
+    }
+
     fn of_vertex(&self, v: u32) -> Option<&[(u32, u32)]> {
         let range = self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize;
         self.whole[v as usize].then(|| &self.corners[range])
@@ -116,7 +154,8 @@ impl Stars {
 struct Mover<'a> {
     simple: &'a mut Simple,
     stars: &'a Stars,
-    air: &'a [Vec<Item>],
+    air: &'a [Vec<u32>],
+    places: &'a [[i32; 2]],
 }
 
 impl Mover<'_> {
@@ -125,9 +164,9 @@ impl Mover<'_> {
         let Some(star) = self.stars.of_vertex(v) else { return 0 };
         let plan = &self.simple.plan;
         let n = star.len();
-        let has = |k: usize, item: &Item| {
-            let kind = self.simple.kind[star[k % n].0 as usize];
-            self.air[kind as usize].contains(item)
+        let has = |k: usize, item: u32| {
+            let kind = self.simple.kind[star[if k < n { k } else { k - n }].0 as usize];
+            self.air[kind as usize].contains(&item)
         };
         let mut kinks = 0;
         for k in 0..n {
@@ -136,7 +175,7 @@ impl Mover<'_> {
             if kind == self.simple.kind[star[(k + n - 1) % n].0 as usize] {
                 continue;
             }
-            for item in &self.air[kind as usize] {
+            for &item in &self.air[kind as usize] {
                 // The sector of the item that starts with this triangle.
                 if has(k + n - 1, item) {
                     continue;
@@ -151,38 +190,37 @@ impl Mover<'_> {
         kinks
     }
 
-    /// Kinks at a point and at those that triangles join it to.
-    fn around(&self, v: u32, star: &[(u32, u32)]) -> u32 {
-        let next = |&(t, i): &(u32, u32)| self.simple.plan.triangles[t as usize][(i as usize + 1) % 3];
-        self.kinks(v) + star.iter().map(|corner| self.kinks(next(corner))).sum::<u32>()
+    /// Kinks at a point and at those that triangles join it to, if they are fewer than `most`.
+    fn around(&self, v: u32, most: u32) -> Option<u32> {
+        let mut kinks = 0;
+        for near in std::iter::once(v).chain(self.stars.around(&self.simple.plan, v)) {
+            kinks += self.kinks(near);
+            if kinks >= most {
+                return None;
+            }
+        }
+        Some(kinks)
     }
 
     /// The place near its original one where there are fewest kinks, if fewer than now.
     fn best(&mut self, v: u32, star: &[(u32, u32)], original: Point) -> Option<Point> {
         let now = self.simple.plan.points[v as usize];
-        let mut best = (self.around(v, star), 0, now);
-        let mut places: Vec<(i32, Point)> = Vec::new();
-        for dx in -FARTHEST..=FARTHEST {
-            for dy in -FARTHEST..=FARTHEST {
-                places.push((dx * dx + dy * dy, Point::new(original.x + dx, original.y + dy)));
-            }
-        }
-        places.sort_unstable();
-        for (_, place) in places {
+        let mut best = (self.around(v, u32::MAX)?, now);
+        for &[x, y] in self.places {
+            let place = Point::new(original.x + x, original.y + y);
             if place == now || !self.fits(star, place) {
                 continue;
             }
             self.simple.plan.points[v as usize] = place;
-            let kinks = self.around(v, star);
-            if kinks < best.0 {
-                best = (kinks, 1, place);
-            }
-            if kinks == 0 {
-                break;
+            if let Some(kinks) = self.around(v, best.0) {
+                best = (kinks, place);
+                if kinks == 0 {
+                    break;
+                }
             }
         }
         self.simple.plan.points[v as usize] = now;
-        (best.1 == 1).then_some(best.2)
+        (best.1 != now).then_some(best.1)
     }
 
     /// Whether all triangles of a star keep their orientation with their common point there.
@@ -199,8 +237,9 @@ impl Mover<'_> {
 /// Whether the corner from `from` over `at` to `to`, the inside on the left, is reflex, but nearly straight.
 fn is_kink(from: Point, at: Point, to: Point) -> bool {
     let double = orient(from, at, to);
-    let length = f64::from(to.x - from.x).hypot(f64::from(to.y - from.y));
-    let ahead =
-        i64::from(at.x - from.x) * i64::from(to.x - at.x) + i64::from(at.y - from.y) * i64::from(to.y - at.y);
-    double < 0 && ahead > 0 && (-double) as f64 <= KINK * length
+    let ahead = || {
+        i64::from(at.x - from.x) * i64::from(to.x - at.x) + i64::from(at.y - from.y) * i64::from(to.y - at.y)
+    };
+    let length = || f64::from(to.x - from.x).hypot(f64::from(to.y - from.y));
+    double < 0 && ahead() > 0 && (-double) as f64 <= KINK * length()
 }

@@ -8,6 +8,7 @@ use super::{Code, Finding};
 use crate::building::Building;
 use crate::gmap::{Dart, Orbit};
 use crate::lattice::{LARGEST, Point};
+use crate::parallel;
 use crate::partition::cells::{Label, NONE};
 use crate::partition::check_frame;
 use crate::sew::Way;
@@ -96,12 +97,11 @@ pub(super) fn darts(building: &Building) -> Vec<Finding> {
         let text = "volumes and faces by label are not those there are".to_owned();
         return vec![building.finding(Code::T07, None, [0.0; 3], 0.0, text)];
     }
-    let volumes = map.index(Orbit::Volume);
+    let (volumes, vertices) = parallel::both(|| map.index(Orbit::Volume), || map.index(Orbit::Vertex));
     let mut number = vec![NONE; volumes.len()];
     for (volume, i) in building.volumes.iter().zip(0..) {
         number[volumes.of(volume.dart) as usize] = i;
     }
-    let vertices = map.index(Orbit::Vertex);
     let vertex = |dart: Dart| topology.vertex_of[dart.index()];
     let wrong = map.darts().filter(|&dart| {
         let first = vertices.darts()[vertices.of(dart) as usize];

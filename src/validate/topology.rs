@@ -2,11 +2,29 @@
 
 use super::{Code, Finding};
 use crate::building::Building;
-use crate::gmap::{Dart, Defect, Orbit};
+use crate::gmap::{Dart, Defect, GMap, Orbit};
+use crate::parallel;
 use crate::partition::cells::{Label, NONE};
 
 /// No more findings of one code are listed than this.
 const MOST: usize = 100;
+
+/// What a map is like as a whole.
+struct Whole {
+    components: usize,
+    is_orientable: bool,
+    euler: i64,
+}
+
+impl Whole {
+    fn of(map: &GMap) -> Whole {
+        let first = map.darts().next();
+        let orient = || first.is_none_or(|dart| map.orientation(Orbit::Component, dart).is_some());
+        let ((components, is_orientable), euler) =
+            parallel::both(|| (map.count(Orbit::Component), orient()), || map.euler());
+        Whole { components, is_orientable, euler }
+    }
+}
 
 pub(super) fn check(building: &Building) -> Vec<Finding> {
     let map = &building.topology.map;
@@ -36,7 +54,7 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
         // What follows walks along alphas.
         return findings;
     }
-    let shapes = map.shapes();
+    let (shapes, whole) = parallel::both(|| map.shapes(), || Whole::of(map));
     if shapes.len() != building.volumes.len() {
         let text = format!("{} volumes in the map, {} known", shapes.len(), building.volumes.len());
         findings.extend(map.darts().next().map(|dart| finding(Code::T05, dart, text)));
@@ -46,15 +64,14 @@ pub(super) fn check(building: &Building) -> Vec<Finding> {
         no_balls.take(MOST).map(|(dart, shape)| finding(Code::T04, *dart, format!("{dart}: {shape:?}")));
     findings.extend(told);
     if let Some(dart) = map.darts().next() {
-        if map.count(Orbit::Component) != 1 {
+        if whole.components != 1 {
             findings.push(finding(Code::T05, dart, "it has several components".to_owned()));
         }
-        if map.orientation(Orbit::Component, dart).is_none() {
+        if !whole.is_orientable {
             findings.push(finding(Code::T05, dart, "it is not orientable".to_owned()));
         }
-        let euler = map.euler();
-        if euler != 1 {
-            let text = format!("vertices - edges + faces - volumes is {euler}, of a ball 1");
+        if whole.euler != 1 {
+            let text = format!("vertices - edges + faces - volumes is {}, of a ball 1", whole.euler);
             findings.push(finding(Code::T05, dart, text));
         }
     }
