@@ -98,7 +98,8 @@ fn every_answer_is_right() {
             let roles = roles(&model, Untagged::default());
             let options = VerifyOptions::default().with_rays(4000).with_grid_rays(100);
             let report = verify(&model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
-            assert_eq!(report.total.wrong, 0, "{number} {noise:?}: {:?}", report.wrong);
+            assert!(report.passed(), "{number} {noise:?}: {:?} {:?}", report.excused, report.wrong);
+            assert!(scene.cells().len() > 50, "{number} {noise:?}");
             assert!(report.total.hits > 1000, "{number} {noise:?}: {:?}", report.total);
         }
     }

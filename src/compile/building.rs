@@ -69,7 +69,7 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
 
 fn add_room(element: u32, part: &Part, volumes: Range<usize>, tables: &mut Tables) {
     let room = tables.rooms.len() as u32;
-    // An element without triangles is nowhere.
+    // An element without triangles is nowhere; readers leave such out, but a model made by hand may have one.
     let mut bounds = part.pieces.first().map_or([[0.0; 3]; 2], |piece| piece.component.bounds);
     for piece in &part.pieces {
         let [lo, hi] = piece.component.bounds;

@@ -171,26 +171,28 @@ impl Arrangement {
         self.segments = united;
     }
 
-    /// What two segments cover, if they lie on one line and overlap, as far as the steps tell.
-    fn union(&self, one: [Point; 2], other: [Point; 2]) -> Option<[Point; 2]> {
+    /// What two segments cover, if they lie on one line and overlap, as far as the steps tell: the first, made longer along itself,
+    /// so that however many are united, none is farther from it than that.
+    fn union(&self, first: [Point; 2], other: [Point; 2]) -> Option<[Point; 2]> {
         let near = self.step / 16.0;
-        let [long, short] = if norm(minus(one[1], one[0])) >= norm(minus(other[1], other[0])) {
-            [one, other]
-        } else {
-            [other, one]
+        let length = norm(minus(first[1], first[0]));
+        let Some(way) = unit(minus(first[1], first[0])) else {
+            // An edge that is seen from its end.
+            return other.iter().all(|end| norm(minus(*end, first[0])) <= near).then_some(first);
         };
-        let way = unit(minus(long[1], long[0]))?;
-        if short.iter().any(|end| cross(way, minus(*end, long[0])).abs() > near) {
+        // The line of a short one is not known far from it.
+        let is_told = length >= 1e-3 * norm(minus(other[1], other[0]));
+        if !is_told || other.iter().any(|end| cross(way, minus(*end, first[0])).abs() > near) {
             return None;
         }
-        let place = |p: Point| (p[0] - long[0][0]) * way[0] + (p[1] - long[0][1]) * way[1];
-        let mut ends = [long[0], long[1], short[0], short[1]].map(|p| (place(p), p));
-        let [start, end] = [ends[2].0.min(ends[3].0), ends[2].0.max(ends[3].0)];
-        if start > ends[1].0 + near || end < -near {
+        let places = other.map(|p| (p[0] - first[0][0]) * way[0] + (p[1] - first[0][1]) * way[1]);
+        let [start, end] = [places[0].min(places[1]), places[0].max(places[1])];
+        if start > length + near || end < -near {
             return None;
         }
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Some([ends[0].1, ends[3].1])
+        let from = if start < 0.0 { along(first[0], start, way) } else { first[0] };
+        let to = if end > length { along(first[0], end, way) } else { first[1] };
+        Some([from, to])
     }
 
     /// Tells points apart that are some share of the step from each other.
@@ -303,7 +305,40 @@ mod tests {
         assert!(beside(199e-6 + 1e-9, 1e-6) && beside(5e-4 - 1e-9, 1e-6));
     }
 
+    /// Edges that are seen from their ends are points: many of one do not crowd out what is farther.
+    #[test]
+    fn points_are_one() {
+        let mut many = Arrangement::new(1e-3, 1e-9);
+        for _ in 0..100 {
+            many.add([[1e-5; 2]; 2]);
+        }
+        many.add([[1e-5, 1e-5], [2e-5, 1e-5]]);
+        many.add([[1e-5, 1e-5], [1e-5, 2e-5]]);
+        many.add([[5e-4, -1.0], [5e-4, 1.0]]);
+        assert!(many.points().iter().any(|p| p[0] > 5e-4));
+    }
+
     proptest! {
+        /// Segments of an arc are no line.
+        #[test]
+        fn united_segments_stay_where_they_were(turns in proptest::collection::vec(-1.0f64..1.0, 1..100)) {
+            let mut arrangement = Arrangement::new(1.0, 1e-3);
+            let (mut at, mut angle) = ([-0.5, 0.0], 0.0f64);
+            let mut all = Vec::new();
+            for turn in turns {
+                angle += 0.02 * turn;
+                let next = along(at, 0.01, [angle.cos(), angle.sin()]);
+                all.push([at, next]);
+                arrangement.add([at, next]);
+                at = next;
+            }
+            arrangement.unite();
+            for end in all.into_iter().flatten() {
+                let off = arrangement.segments.iter().map(|s| norm(minus(foot(*s, end), end)));
+                prop_assert!(off.fold(f64::INFINITY, f64::min) <= 1.001e-3 / 16.0 || arrangement.segments.len() == SEGMENTS);
+            }
+        }
+
         /// Lines that cut the disc: the points' patterns of sides are all that random points have.
         #[test]
         fn every_face_has_a_point(

@@ -339,7 +339,8 @@ impl Joiner<'_> {
 
 /// One lattice unit: lower intervals are none.
 const UNIT: f64 = 1.0;
-/// Triangles looked at around a point: where there are more within a few centimetres, nothing is joined.
+/// Triangles looked at around a point: where there are more within a few centimetres, a room is near only if it is where it was found
+/// from beside.
 const MOST_LOOKED_AT: usize = 256;
 
 /// The point of a segment next to another.

@@ -59,19 +59,18 @@ pub(super) fn unkink(simple: &mut Simple) -> Moved {
     all
 }
 
-/// By kind of stack: numbers of the items that light passes, ascending; the same items have the same number.
+/// By kind of stack: numbers of the items that light passes; the same items have the same number.
 fn air(simple: &Simple) -> Vec<Vec<u32>> {
     let mut numbers: HashMap<Item, u32> = HashMap::new();
     let mut air = Vec::with_capacity(simple.kinds.len());
     for stack in &simple.kinds {
         let passed = stack.iter().filter(|item| item.fill.is_none_or(|label| label.is_air()));
-        let mut own: Vec<u32> = passed
+        let own: Vec<u32> = passed
             .map(|item| {
                 let next = numbers.len() as u32;
                 *numbers.entry(*item).or_insert(next)
             })
             .collect();
-        own.sort_unstable();
         air.push(own);
     }
     air
