@@ -136,8 +136,8 @@ pub(super) fn gather(model: &Model, untagged: Untagged) -> Bodies {
         return Bodies { lattice, bounds: [[0; 3]; 2], bodies, detail, not_carved, inner, mended: 0 };
     };
     let (near, far): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| is_near(s.bounds, middle));
+    not_carved.extend(far.iter().map(|shells| (shells.pieces.id, NotCarved::Far)));
     for shells in far.iter().filter(|s| s.is_solid) {
-        not_carved.push((shells.pieces.id, NotCarved::Far));
         let triangles = shells.closed.iter().flat_map(|closed| &closed.component.triangles);
         detail.extend(triangles.map(|&t| (shells.pieces.id, shells.pieces.source_of(t))));
         detail.extend(shells.pieces.inner.iter().map(|&t| (shells.pieces.id, t)));

@@ -2,6 +2,7 @@
 
 use enfilade::arbitrary::{Assembly, Defect, Finding, Piece, Relation, Shape};
 use enfilade::importers::Semantic::{self, Door, Room, Stairwell, Wall};
+use enfilade::partition::{NotCarved, PartitionOptions, partition};
 use enfilade::sew::sew;
 
 use crate::{findings, made};
@@ -171,4 +172,29 @@ fn sides_are_cut_by_corners_that_have_moved() {
     let assembly = Assembly { pieces, scale: 0.02, at: [0.0; 3] };
     let found = findings(&assembly, 0);
     assert!(found.is_empty(), "{}", found.iter().map(Finding::to_string).collect::<String>());
+}
+
+/// A room two kilometres from most of the building has no cells, and the report says so.
+#[test]
+fn rooms_far_off_are_told() {
+    let wall = |x: f64| piece(Wall, Shape::Box, [x, 0.25, 0.25]);
+    let room = piece(Room, Shape::Box, [3.0, 0.25, 0.25]);
+    let pieces = vec![
+        cube(),
+        Piece { at: [1.5, 0.0, 0.0], ..wall(3.7) },
+        beside(wall(4.317121992519579), Relation::Vertex, 2, 0),
+        beside(wall(3.5), Relation::Face, 9, 0),
+        cube(),
+        cube(),
+        cube(),
+        Piece { defect: Defect::TwoComponents, ..beside(room, Relation::Edge, 3, 0) },
+        wall(0.1),
+    ];
+    let assembly = Assembly { pieces, scale: 100.0, at: [0.0; 3] };
+    let (_, report) = partition(&assembly.model(), &PartitionOptions::default()).unwrap();
+    assert_eq!(report.not_carved_elements, [("Room_7".to_owned(), NotCarved::Far)]);
+    for seed in 0..40 {
+        let found = findings(&assembly, seed);
+        assert!(found.is_empty(), "{seed}: {}", found.iter().map(Finding::to_string).collect::<String>());
+    }
 }

@@ -123,6 +123,9 @@ impl<'a> Meshes<'a> {
             return vec![Label::Solid(first)];
         }
         let airs = self.airs.solids_at(p);
+        if airs.iter().any(|e| self.demoted.contains(e)) {
+            return Vec::new();
+        }
         let pick = |wins: &dyn Fn(ElementId) -> bool| -> Vec<Label> {
             let rank = |&&e: &&ElementId| match () {
                 () if self.is_opening(e) && wins(e) => 1,
