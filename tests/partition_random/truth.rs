@@ -27,8 +27,10 @@ pub struct Meshes<'a> {
 
 /// Near-vertical faces may be moved by 2 mm, nearly level ones by 1 mm, coplanar ones by 0.3 mm.
 const MARGIN: f64 = 2.5e-3;
-/// Points that tell how much of an opening rooms take.
+/// Points of an opening's air that tell how much of it rooms take.
 const SAMPLES: u32 = 400;
+/// Points tried for these.
+const MOST_TRIED: u32 = 8000;
 
 impl<'a> Meshes<'a> {
     pub fn new(
@@ -92,7 +94,10 @@ impl<'a> Meshes<'a> {
             [[0, 1, 2].map(|i| lo[i].min(p[i])), [0, 1, 2].map(|i| hi[i].max(p[i]))]
         });
         let (mut air, mut taken) = (0, 0);
-        for _ in 0..SAMPLES {
+        for _ in 0..MOST_TRIED {
+            if air == SAMPLES {
+                break;
+            }
             let p = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
             let airs = self.airs.solids_at(p);
             if airs.contains(&id) && self.solids_at(p).is_empty() {
@@ -101,7 +106,7 @@ impl<'a> Meshes<'a> {
             }
         }
         match (air, f64::from(taken) / f64::from(air)) {
-            (0..20, _) => None,
+            (0..100, _) => None,
             (_, share) if share > 0.85 => Some(true),
             (_, share) if share < 0.55 => Some(false),
             _ => None,
