@@ -311,6 +311,13 @@ fn pair(partition: &Partition, above: &[u32], below: &[u32], touching: &mut Vec<
     }
 }
 
+/// Tells the exterior from voids again, where matter between them became air.
+pub(super) fn tell_exterior_again(partition: &mut Partition) {
+    let is_open = |cell: &Cell| matches!(cell.label, Label::Exterior | Label::Void);
+    let unlabelled: Vec<bool> = partition.cells.iter().map(is_open).collect();
+    tell_exterior(partition, &unlabelled);
+}
+
 /// Unlabelled air that hangs together with the hull is exterior.
 fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
     let neighbours = |cell: &Cell| {

@@ -211,6 +211,9 @@ pub fn partition(
     lap(&mut report, "assembly")?;
     let matter = matter(&bodies);
     report.surfaces = surfaces::attach(&mut partition, &matter, &SurfaceOptions::default(), &account, watch);
+    if report.surfaces.given_back > 0 {
+        assemble::tell_exterior_again(&mut partition);
+    }
     lap(&mut report, "surfaces")?;
     report.audit = audit::audit(&mut partition, &matter, &AuditOptions::default(), watch);
     lap(&mut report, "audit")?;

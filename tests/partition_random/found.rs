@@ -198,3 +198,22 @@ fn rooms_far_off_are_told() {
         assert!(found.is_empty(), "{seed}: {}", found.iter().map(Finding::to_string).collect::<String>());
     }
 }
+
+/// Strips of matter that rounding made shut a gap from the open; it is exterior when they are air again.
+#[test]
+fn what_matter_given_back_opens_is_exterior() {
+    let turned = piece(Wall, Shape::Box, [0.30000000000000004, 3.4000000000000004, 3.0]);
+    is_right(vec![
+        Piece { at: [0.0, 1.75, 2.5], ..piece(Wall, Shape::Box, [0.8807457780066534, 2.5, 2.25]) },
+        Piece {
+            at: [2.9000000000000004, 3.77625753076991, 3.1344475600783634],
+            turn: [88.94291330168257, 0.0],
+            ..turned
+        },
+        beside(piece(Wall, Shape::Sheared, [1.4323815052653341, 0.25, 0.25]), Relation::Gap(-0.0005), 5, 0),
+        Piece {
+            at: [0.0, 0.0, 1.5],
+            ..piece(Wall, Shape::Box, [0.75, 1.9000000000000001, 2.61415213713929])
+        },
+    ]);
+}
