@@ -19,7 +19,7 @@ pub(super) struct Built {
     pub(super) planes: Vec<Plane>,
 }
 
-/// Puts the slabs together, from the lowest to the highest.
+/// Puts the slabs together, from the lowest to the highest. Air without a label is void until [`tell_exterior`] says otherwise.
 pub(super) fn assemble(
     lattice: Lattice,
     hull: [[i32; 3]; 2],
@@ -38,7 +38,6 @@ pub(super) fn assemble(
         detail,
     };
     let mut index: HashMap<Plane, u32> = HashMap::new();
-    let mut unlabelled = Vec::new();
     let mut firsts = Vec::with_capacity(slabs.len());
     for slab in slabs {
         let planes: Vec<u32> = slab
@@ -52,10 +51,9 @@ pub(super) fn assemble(
             })
             .collect();
         firsts.push(partition.cells.len() as u32);
-        Sides::new(slab, partition.cells.len() as u32).add(&planes, &mut partition, &mut unlabelled);
+        Sides::new(slab, partition.cells.len() as u32).add(&planes, &mut partition);
     }
     cover(slabs, &firsts, &mut partition);
-    tell_exterior(&mut partition, &unlabelled);
     partition
 }
 
@@ -86,7 +84,7 @@ impl<'a> Sides<'a> {
         sides
     }
 
-    fn add(&self, planes: &[u32], partition: &mut Partition, unlabelled: &mut Vec<bool>) {
+    fn add(&self, planes: &[u32], partition: &mut Partition) {
         let regions = &self.slab.regions;
         for prism in &regions.prisms {
             let item = regions.items[prism.region as usize];
@@ -123,7 +121,6 @@ impl<'a> Sides<'a> {
                 below: 0..0,
                 above: 0..0,
             });
-            unlabelled.push(item.fill.is_none());
         }
     }
 
@@ -311,15 +308,10 @@ fn pair(partition: &Partition, above: &[u32], below: &[u32], touching: &mut Vec<
     }
 }
 
-/// Tells the exterior from voids again, where matter between them became air.
-pub(super) fn tell_exterior_again(partition: &mut Partition) {
+/// Of air without a label what hangs together with the hull is exterior, all other is void.
+pub(super) fn tell_exterior(partition: &mut Partition) {
     let is_open = |cell: &Cell| matches!(cell.label, Label::Exterior | Label::Void);
     let unlabelled: Vec<bool> = partition.cells.iter().map(is_open).collect();
-    tell_exterior(partition, &unlabelled);
-}
-
-/// Unlabelled air that hangs together with the hull is exterior.
-fn tell_exterior(partition: &mut Partition, unlabelled: &[bool]) {
     let neighbours = |cell: &Cell| {
         let mut all = Vec::new();
         let covers = [&cell.below, &cell.above].into_iter().flat_map(|r| r.start as usize..r.end as usize);

@@ -211,9 +211,8 @@ pub fn partition(
     lap(&mut report, "assembly")?;
     let matter = matter(&bodies);
     report.surfaces = surfaces::attach(&mut partition, &matter, &SurfaceOptions::default(), &account, watch);
-    if report.surfaces.given_back > 0 {
-        assemble::tell_exterior_again(&mut partition);
-    }
+    // Not before: matter given back to the air may have shut air off.
+    assemble::tell_exterior(&mut partition);
     lap(&mut report, "surfaces")?;
     report.audit = audit::audit(&mut partition, &matter, &AuditOptions::default(), watch);
     lap(&mut report, "audit")?;
