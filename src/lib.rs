@@ -59,18 +59,20 @@ pub mod building;
 pub mod compile;
 #[cfg(feature = "compile")]
 pub mod components;
+#[cfg(feature = "compile")]
+pub mod export;
 pub mod format;
 #[cfg(feature = "compile")]
 pub mod generate;
 #[cfg(feature = "compile")]
 pub mod gmap;
+pub mod graph;
 #[cfg(feature = "compile")]
 pub mod inspect;
 #[cfg(feature = "compile")]
 pub mod lattice;
 #[cfg(feature = "compile")]
 pub mod oracle;
-#[cfg(feature = "compile")]
 mod parallel;
 #[cfg(feature = "compile")]
 pub mod partition;

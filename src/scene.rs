@@ -246,6 +246,11 @@ impl<'a> ElementView<'a> {
         Role::from_number(self.record.role).unwrap_or(Role::Detail)
     }
 
+    /// Whether it is an opening or a room that was found in the building, and is not in the source.
+    pub fn is_derived(&self) -> bool {
+        self.record.flags & ElementRecord::DERIVED != 0
+    }
+
     /// How many triangles it has in the scene.
     pub fn triangle_count(&self) -> u32 {
         self.record.triangle_count

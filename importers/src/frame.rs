@@ -74,6 +74,12 @@ impl Frame {
         ])
     }
 
+    /// A box of the internal frame (lower and upper corner), in the source's unit and axes.
+    pub fn box_to_source(&self, bounds: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+        let [a, b] = bounds.map(|corner| self.point_to_source(corner));
+        [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
+    }
+
     /// A length of the source in metres.
     pub fn length_to_internal(&self, length: f64) -> f64 {
         length * self.unit

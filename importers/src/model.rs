@@ -120,6 +120,8 @@ pub enum TagSource {
     Name,
     /// Set by the program through [`ModelBuilder`](crate::ModelBuilder).
     Program,
+    /// The element is not in the source: it was found in the building, as an opening or a room.
+    Derived,
 }
 
 /// A surface's look. Colours are linear RGB.

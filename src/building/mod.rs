@@ -30,9 +30,9 @@ use crate::sew::{Sewn, Topology, TopologyError, sew};
 use looks::Looks;
 pub(crate) use portals::{Place, Portal, Portals};
 
+pub use crate::format::FaceKind;
 pub use cells::CellsError;
 pub(crate) use cells::NamedCells;
-pub use kind::FaceKind;
 pub use way::{Way, WayOptions};
 
 /// A building.

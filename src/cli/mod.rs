@@ -3,6 +3,7 @@
 
 mod bench;
 mod compile;
+mod export;
 mod failure;
 mod generate;
 mod input;
@@ -39,6 +40,7 @@ Examples:
   enfilade compile house.glb -o house.enf         compile it
   enfilade render house.enf -o house.png          a picture from the largest room
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
+  enfilade export house.enf --graph house.json    its rooms and what its doors and windows join
   enfilade verify house.enf --model house.glb     check a million random rays
 
 Exit codes: 0 fine, 1 findings, 2 wrong usage, 3 bad input, 4 output failed.";
@@ -50,6 +52,7 @@ enum Command {
     Validate(validate::Arguments),
     Trace(trace::Arguments),
     Render(render::Arguments),
+    Export(export::Arguments),
     Verify(verify::Arguments),
     Bench(bench::Arguments),
     Generate(generate::Arguments),
@@ -87,6 +90,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),

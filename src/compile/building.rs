@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use enfilade_importers::{Model, Role, Semantic};
+use enfilade_importers::{Model, Role, Semantic, TagSource};
 
 use super::geometry::Part;
 use crate::format::Tables;
@@ -59,7 +59,7 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
             host: find(&element.host),
             filling: find(&element.filling),
             opening: find(&element.opening),
-            reserved: 0,
+            flags: if element.tagged_by == TagSource::Derived { ElementRecord::DERIVED } else { 0 },
         });
         if matches!(element.semantic, Semantic::Room | Semantic::Stairwell) {
             add_room(i as u32, &parts[i], volumes[i].clone(), tables);

@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::tables::{Views, ensure, within};
-use super::{FACE_KINDS, FormatError};
+use super::{FaceKind, FormatError};
 use crate::trace::NONE;
 
 /// No lattice coordinate is larger: what f32 counts exactly.
@@ -188,7 +188,7 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
         };
         ensure(ok, "mapfaces", i, || "it does not lie as a face can".to_owned())?;
         let ok = face.sources.iter().all(|&source| optional(source, map.mapsources.len()))
-            && FACE_KINDS.contains(&face.kind)
+            && FaceKind::from_number(face.kind).is_some()
             && optional(face.element, v.elements.len())
             && optional(face.material, v.materials.len())
             && face.area >= 0.0

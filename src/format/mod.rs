@@ -3,6 +3,7 @@
 
 mod atomic;
 mod container;
+mod kind;
 pub mod map;
 mod prisms;
 pub mod records;
@@ -11,13 +12,11 @@ mod tables;
 
 pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
+pub use kind::FaceKind;
 pub(crate) use storage::Storage;
 pub(crate) use tables::Views;
 pub(crate) use tables::{MAX_DEPTH, WHOLE_BIT};
 pub use tables::{MapTables, Tables};
-
-/// Numbers of kinds of faces.
-const FACE_KINDS: std::ops::RangeInclusive<u32> = 64..=75;
 
 /// The bytes are no compiled scene that this version can use.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@ use enfilade_importers::Semantic;
 
 use super::records::{CellRecord, SideRecord, SourceRecord};
 use super::tables::{Views, ensure, invalid, is_box, within};
-use super::{FACE_KINDS, FormatError};
+use super::{FaceKind, FormatError};
 use crate::trace::NONE;
 
 /// No lattice coordinate is larger: what f32 counts exactly.
@@ -124,11 +124,11 @@ fn beyond(v: &Views) -> Result<(), FormatError> {
     for (i, face) in v.faces.iter().enumerate() {
         let ok = known(face.cell, face.source)
             && (face.top == NONE || (face.top as usize) < v.planes.len())
-            && FACE_KINDS.contains(&face.kind);
+            && FaceKind::from_number(face.kind).is_some();
         ensure(ok, "faces", i, || format!("{face:?} refers to what is not there"))?;
     }
     for (i, cover) in v.covers.iter().enumerate() {
-        let ok = known(cover.cell, cover.source) && FACE_KINDS.contains(&cover.kind);
+        let ok = known(cover.cell, cover.source) && FaceKind::from_number(cover.kind).is_some();
         ensure(ok, "covers", i, || format!("{cover:?} refers to what is not there"))?;
     }
     for (i, plane) in v.planes.iter().enumerate() {

@@ -128,8 +128,13 @@ pub struct ElementRecord {
     pub filling: u32,
     /// The opening that it fills, or none.
     pub opening: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// [`ElementRecord::DERIVED`] or 0.
+    pub flags: u32,
+}
+
+impl ElementRecord {
+    /// It is not in the source: an opening or a room that was found in the building.
+    pub const DERIVED: u32 = 1;
 }
 
 /// Section `rooms`: air labels of class ROOM, in the order of their elements.

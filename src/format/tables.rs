@@ -296,6 +296,7 @@ impl<'a> Check<'a> {
                 format!("semantic {}", e.semantic)
             })?;
             ensure(Role::from_number(e.role).is_some(), "elements", i, || format!("role {}", e.role))?;
+            ensure(e.flags <= ElementRecord::DERIVED, "elements", i, || format!("flags {}", e.flags))?;
             for other in [e.host, e.filling, e.opening] {
                 ensure(optional(other, elements), "elements", i, || format!("element {other}"))?;
             }

@@ -1,6 +1,8 @@
 //! What fills an interval that several bodies claim: matter before air, small rooms before large ones, rooms before the
 //! openings that stick into them, but an opening where rooms would leave too little of it.
 
+use std::cmp::Reverse;
+
 use enfilade_importers::{Model, Semantic};
 
 use super::bodies::Body;
@@ -27,7 +29,9 @@ pub(super) struct Labels {
     kinds: Vec<Kind>,
     /// Openings that win against rooms.
     wins: Vec<bool>,
-    volumes: Vec<f64>,
+    /// By body: what is smaller wins against what is larger; of labels as large as each other the one that lies deeper in the source's tree,
+    /// as a room that is all of its storey's space.
+    sizes: Vec<(u64, Reverse<usize>)>,
     labels: Vec<Label>,
 }
 
@@ -43,10 +47,15 @@ impl Labels {
         let label = |body: &Body| {
             if body.is_solid { Label::Solid(body.element) } else { Label::Air(body.element) }
         };
+        let size = |body: &Body| {
+            let depth = model.elements[body.element.0 as usize].path.matches('/').count();
+            // To some millionths: more is rounding.
+            (body.volume.to_bits() >> 32, Reverse(depth))
+        };
         let mut labels = Labels {
             kinds: bodies.iter().map(kind).collect(),
             wins: vec![false; bodies.len()],
-            volumes: bodies.iter().map(|b| b.volume).collect(),
+            sizes: bodies.iter().map(size).collect(),
             labels: bodies.iter().map(label).collect(),
         };
         let mut air = vec![[0.0f64; 2]; bodies.len()];
@@ -106,7 +115,7 @@ impl Labels {
                 Kind::Exterior => 4,
             };
             // Of solids the first, of labels the smallest.
-            let size = if rank == 0 { 0 } else { self.volumes[b].to_bits() };
+            let size = if rank == 0 { (0, Reverse(0)) } else { self.sizes[b] };
             (rank, size, body)
         };
         set.iter().min_by_key(strength).map(|&body| self.labels[body as usize])

@@ -21,6 +21,7 @@ pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]
 pub(crate) use locate::{crossings, height};
+pub(crate) use path::Prisms;
 #[cfg(feature = "compile")]
 pub(crate) use path::to_lattice;
 pub use ray::{Answer, Hit, NONE, Ray};

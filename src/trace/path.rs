@@ -1,7 +1,7 @@
 //! A ray among prisms: where it leaves one, which part of its surface it leaves through, and in which prism a point
 //! lies.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::NONE;
 use super::plan::PlanLine;
@@ -53,8 +53,8 @@ impl Exit {
 
 /// The prisms of a scene.
 #[derive(Clone, Copy)]
-pub(super) struct Prisms<'a> {
-    pub(super) cells: &'a [CellRecord],
+pub(crate) struct Prisms<'a> {
+    pub(crate) cells: &'a [CellRecord],
     sides: &'a [SideRecord],
     faces: &'a [FaceRecord],
     covers: &'a [CoverRecord],
@@ -74,7 +74,7 @@ pub(super) struct Prisms<'a> {
 
 impl<'a> Prisms<'a> {
     #[inline]
-    pub(super) fn new(tables: &'a Views) -> Prisms<'a> {
+    pub(crate) fn new(tables: &'a Views) -> Prisms<'a> {
         let scene = &tables.scene[0];
         Prisms {
             cells: &tables.cells,
@@ -102,12 +102,12 @@ impl<'a> Prisms<'a> {
 
     /// A point of the internal frame along the lattice's axes from its origin.
     #[inline]
-    pub(super) fn local(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn local(&self, point: DVec3) -> DVec3 {
         DVec3::from(to_lattice(point.to_array(), self.origin, self.turn))
     }
 
     /// A direction along the lattice's axes in the internal frame.
-    pub(super) fn turned_back(&self, direction: DVec3) -> DVec3 {
+    pub(crate) fn turned_back(&self, direction: DVec3) -> DVec3 {
         let [cos, sin] = self.turn;
         let [x, y, z] = direction.to_array();
         DVec3::new(x * cos - y * sin, x * sin + y * cos, z)
@@ -115,31 +115,66 @@ impl<'a> Prisms<'a> {
 
     /// A direction of the internal frame along the lattice's axes.
     #[inline]
-    fn turned(&self, direction: DVec3) -> DVec3 {
+    pub(crate) fn turned(&self, direction: DVec3) -> DVec3 {
         DVec3::from(to_lattice(direction.to_array(), [0.0; 3], self.turn))
     }
 
     #[inline(always)]
-    fn sides_of(&self, cell: &CellRecord) -> &'a [SideRecord] {
+    pub(crate) fn sides_of(&self, cell: &CellRecord) -> &'a [SideRecord] {
         &self.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize]
+    }
+
+    /// The parts of a side, from the floor up.
+    pub(crate) fn faces_of(&self, side: &SideRecord) -> &'a [FaceRecord] {
+        &self.faces[side.first_face as usize..(side.first_face + side.faces) as usize]
+    }
+
+    /// What lies below a cell's floor, and above its ceiling.
+    pub(crate) fn covers_of(&self, cell: &CellRecord) -> (&'a [CoverRecord], &'a [CoverRecord]) {
+        let first = cell.first_cover as usize;
+        self.covers[first..first + (cell.below + cell.above) as usize].split_at(cell.below as usize)
+    }
+
+    /// What lies beyond each part of a cell's surface: the cell, the source, the number of the kind.
+    pub(crate) fn beyond(&self, cell: &CellRecord) -> impl Iterator<Item = (u32, u32, u32)> + use<'a> {
+        let own = *self;
+        let faces = self.sides_of(cell).iter().flat_map(move |side| own.faces_of(side));
+        let (below, above) = self.covers_of(cell);
+        let covers = below.iter().chain(above).map(|cover| (cover.cell, cover.source, cover.kind));
+        faces.map(|face| (face.cell, face.source, face.kind)).chain(covers)
+    }
+
+    /// The triangles of a surface; none of [`NONE`].
+    pub(crate) fn triangles_of(&self, source: u32) -> &'a [u32] {
+        let record = self.sources.get(source as usize);
+        record.map_or(&[], |record| {
+            &self.surfaces[record.first as usize..(record.first + record.count) as usize]
+        })
+    }
+
+    /// The height of a plane over a point of the plan, both from the lattice's origin.
+    pub(crate) fn height(&self, plane: u32, at: DVec2) -> f64 {
+        let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+        p * at.x + q * at.y + height
+    }
+
+    /// How many times larger an area in a plane is than in the plan.
+    pub(crate) fn slant(&self, plane: u32) -> f64 {
+        let [p, q] = self.planes[plane as usize].slope;
+        (1.0 + p * p + q * q).sqrt()
+    }
+
+    /// A point from the lattice's origin, along its axes, in the internal frame.
+    pub(crate) fn global(&self, point: DVec3) -> DVec3 {
+        self.turned_back(point) + DVec3::from(self.origin)
     }
 
     /// The number of the kind of the first face, of sides and then of floor and ceiling, that a triangle is part of, if it is one of
     /// the cell's own surface.
     pub(super) fn kind(&self, cell: u32, triangle: u32) -> Option<u32> {
-        let cell = &self.cells[cell as usize];
-        let holds = |source: u32| {
-            let record = self.sources.get(source as usize)?;
-            let own = &self.surfaces[record.first as usize..(record.first + record.count) as usize];
-            own.binary_search(&triangle).ok()
-        };
-        let sides = self.sides_of(cell).iter();
-        let faces = sides
-            .flat_map(|side| &self.faces[side.first_face as usize..(side.first_face + side.faces) as usize]);
-        let covers = cell.first_cover as usize..(cell.first_cover + cell.below + cell.above) as usize;
-        let faces = faces.map(|face| (face.source, face.kind));
-        let covers = self.covers[covers].iter().map(|cover| (cover.source, cover.kind));
-        faces.chain(covers).find(|(source, _)| holds(*source).is_some()).map(|(_, kind)| kind)
+        let mut beyond = self.beyond(&self.cells[cell as usize]);
+        let found = beyond.find(|(_, source, _)| self.triangles_of(*source).binary_search(&triangle).is_ok());
+        found.map(|(.., kind)| kind)
     }
 
     /// A normal of a plane, upward.
@@ -188,6 +223,60 @@ impl<'a> Prisms<'a> {
             (Some(&start), Some(&end)) => &self.listed[start as usize..end as usize],
             _ => &[],
         }
+    }
+
+    /// The prisms that may reach to the stretch between two points (from the lattice's origin), some of them more than once.
+    pub(crate) fn listed_along(&self, from: DVec3, to: DVec3) -> Vec<u32> {
+        let cubes = |axis: usize| {
+            let most = f64::from(self.dims[axis].saturating_sub(1));
+            let cube =
+                |c: f64| ((c - self.zone[0][axis]) / self.step[axis]).floor().max(0.0).min(most) as usize;
+            cube(from[axis].min(to[axis]))..=cube(from[axis].max(to[axis]))
+        };
+        let mut listed = Vec::new();
+        for z in cubes(2) {
+            for y in cubes(1) {
+                for x in cubes(0) {
+                    let index = (z * self.dims[1] as usize + y) * self.dims[0] as usize + x;
+                    if let (Some(&start), Some(&end)) = (self.starts.get(index), self.starts.get(index + 1)) {
+                        listed.extend_from_slice(&self.listed[start as usize..end as usize]);
+                    }
+                }
+            }
+        }
+        listed
+    }
+
+    /// Between which multiples of `along` from `origin` (along the lattice's axes, from its origin) a line is in the prism, as
+    /// far as f64 tells; `None` if it is not.
+    pub(crate) fn span(&self, cell: &CellRecord, origin: DVec3, along: DVec3) -> Option<[f64; 2]> {
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        // Inside of each plane it is at most 0.
+        let mut cut = |over: f64, grows: f64| {
+            if grows == 0.0 {
+                return over <= 0.0;
+            }
+            let t = -over / grows;
+            if grows > 0.0 {
+                leave = leave.min(t)
+            } else {
+                enter = enter.max(t)
+            }
+            true
+        };
+        let mut plane = |plane: u32, up: f64| {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            cut(
+                (origin.z - p * origin.x - q * origin.y - height) * up,
+                (along.z - p * along.x - q * along.y) * up,
+            )
+        };
+        let mut inside = plane(cell.floor, -1.0) && plane(cell.ceiling, 1.0);
+        for [a, b] in edges(self.sides_of(cell)) {
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            inside &= cut(ex * (a[1] - origin.y) - ey * (a[0] - origin.x), ey * along.x - ex * along.y);
+        }
+        (inside && enter < leave).then_some([enter, leave])
     }
 
     /// Whether `point` (from the lattice's origin) is in the prism, or outside by no more than some `margin`.

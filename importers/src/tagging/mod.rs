@@ -84,6 +84,7 @@ pub fn describe(element: &Element, rules: Option<&Rules>) -> String {
         },
         TagSource::Name => "name".to_owned(),
         TagSource::Program => "program".to_owned(),
+        TagSource::Derived => "found in the building".to_owned(),
     }
 }
 
@@ -105,7 +106,7 @@ struct Tagger<'m, 'r> {
 impl<'m> Tagger<'m, '_> {
     /// `None` for an element that the program tagged.
     fn tag(&mut self, model: &'m Model, element: &'m Element) -> Option<Tag> {
-        if element.tagged_by == TagSource::Program {
+        if matches!(element.tagged_by, TagSource::Program | TagSource::Derived) {
             return None;
         }
         let found = |semantic, by| Some(Tag { semantic, by, class: None });

@@ -1,0 +1,177 @@
+//! What touches what: the portals between cells of air, and the faces between air and matter, added up.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Fill, Passage, Place, air, measure};
+use crate::format::FaceKind;
+use crate::format::records::CellRecord;
+use crate::scene::Scene;
+use crate::trace::{NONE, Prisms};
+
+/// What fills each cell; voids that do not touch have numbers of their own, in the order of their first cells.
+pub(super) fn fills(prisms: &Prisms<'_>) -> Vec<Fill> {
+    let fill = |cell: &CellRecord| match cell.kind {
+        CellRecord::AIR => air(cell),
+        CellRecord::SOLID => Fill::Solid,
+        _ => Fill::Around,
+    };
+    let mut fills: Vec<Fill> = prisms.cells.iter().map(fill).collect();
+    let is_void: Vec<bool> = fills.iter().map(|fill| matches!(fill, Fill::Place(Place::Void(_)))).collect();
+    let mut is_known = vec![false; fills.len()];
+    let mut count = 0;
+    for first in 0..fills.len() {
+        if !is_void[first] || is_known[first] {
+            continue;
+        }
+        let mut waiting = vec![first];
+        while let Some(cell) = waiting.pop() {
+            if std::mem::replace(&mut is_known[cell], true) {
+                continue;
+            }
+            fills[cell] = Fill::Place(Place::Void(count));
+            let beyond = prisms.beyond(&prisms.cells[cell]).map(|(cell, ..)| cell as usize);
+            waiting.extend(beyond.filter(|&cell| is_void[cell] && !is_known[cell]));
+        }
+        count += 1;
+    }
+    fills
+}
+
+/// Areas shared.
+#[derive(Debug, Default)]
+pub(super) struct Contacts {
+    /// Of two fills of air, both ways.
+    air: BTreeMap<Fill, BTreeMap<Fill, f64>>,
+    /// Of places and matter.
+    pub(super) faces: BTreeMap<(Place, FaceKind, Option<u32>), f64>,
+}
+
+impl Contacts {
+    pub(super) fn of(scene: &Scene, prisms: &Prisms<'_>, fills: &[Fill]) -> Contacts {
+        let mut contacts = Contacts::default();
+        for (cell, fill) in prisms.cells.iter().zip(fills) {
+            if !matches!(fill, Fill::Place(_) | Fill::Opening(_)) {
+                continue;
+            }
+            let mut add = |beyond: u32, source: u32, kind: u32, area: f64| {
+                let other = fills[beyond as usize];
+                match (fill, other) {
+                    _ if area <= 0.0 || *fill == other => {}
+                    (_, Fill::Place(_) | Fill::Opening(_)) => {
+                        *contacts.air.entry(*fill).or_default().entry(other).or_default() += area;
+                    }
+                    (Fill::Place(place), _) => {
+                        let element = shown(scene, prisms, beyond, source);
+                        let kind = FaceKind::from_number(kind).unwrap_or(FaceKind::Lining);
+                        *contacts.faces.entry((*place, kind, element)).or_default() += area;
+                    }
+                    _ => {}
+                }
+            };
+            let own = measure::footprint(prisms, cell);
+            for (i, side) in prisms.sides_of(cell).iter().enumerate() {
+                let (a, b) = (own[i], own[(i + 1) % own.len()]);
+                let heights = |plane: u32| [a, b].map(|p| prisms.height(plane, p));
+                let (floor, ceiling) = (heights(cell.floor), heights(cell.ceiling));
+                let mut below = floor;
+                for face in prisms.faces_of(side) {
+                    let top = if face.top == NONE { ceiling } else { heights(face.top) };
+                    let top = [0, 1].map(|end| {
+                        top[end].clamp(below[end].min(ceiling[end]), ceiling[end].max(below[end]))
+                    });
+                    let height = [0, 1].map(|end| (top[end] - below[end]).max(0.0));
+                    add(face.cell, face.source, face.kind, (height[0] + height[1]) / 2.0 * a.distance(b));
+                    below = top;
+                }
+            }
+            let (below, above) = prisms.covers_of(cell);
+            for (covers, plane) in [(below, cell.floor), (above, cell.ceiling)] {
+                for (cover, area) in covers.iter().zip(measure::covered(prisms, cell, covers)) {
+                    add(cover.cell, cover.source, cover.kind, area * prisms.slant(plane));
+                }
+            }
+        }
+        contacts
+    }
+
+    /// Where air meets air, openings being what joins and not what is joined.
+    pub(super) fn passages(&self) -> Vec<Passage> {
+        let mut passages = Vec::new();
+        for (fill, around) in &self.air {
+            match *fill {
+                Fill::Place(one) => {
+                    for (other, &area) in around {
+                        if let Fill::Place(other) = *other
+                            && one < other
+                        {
+                            passages.push(Passage { places: [one, other], opening: None, area });
+                        }
+                    }
+                }
+                Fill::Opening(element) => {
+                    let direct = self.places(*fill);
+                    for (one, own) in &direct {
+                        for (other, area) in self.led_to(*fill) {
+                            // Each pair once: two that both touch the opening come in both orders.
+                            if *one == other || (direct.contains_key(&other) && other < *one) {
+                                continue;
+                            }
+                            let places = if *one < other { [*one, other] } else { [other, *one] };
+                            passages.push(Passage { places, opening: Some(element), area: own.min(area) });
+                        }
+                    }
+                }
+                Fill::Solid | Fill::Around => {}
+            }
+        }
+        passages.sort_by(|a, b| (a.places, a.opening).cmp(&(b.places, b.opening)));
+        passages
+    }
+
+    /// The places that something touches.
+    fn places(&self, fill: Fill) -> BTreeMap<Place, f64> {
+        let around = self.air.get(&fill).into_iter().flatten();
+        around
+            .filter_map(
+                |(other, &area)| if let Fill::Place(place) = *other { Some((place, area)) } else { None },
+            )
+            .collect()
+    }
+
+    /// The places that an opening leads to, through others that it touches, too: with the least area on the widest way.
+    fn led_to(&self, opening: Fill) -> BTreeMap<Place, f64> {
+        let mut places = self.places(opening);
+        let mut seen = BTreeSet::from([opening]);
+        let mut waiting = vec![(opening, f64::INFINITY)];
+        while let Some((here, least)) = waiting.pop() {
+            for (&next, &area) in self.air.get(&here).into_iter().flatten() {
+                if matches!(next, Fill::Opening(_)) && seen.insert(next) {
+                    let least = least.min(area);
+                    for (place, area) in self.places(next) {
+                        let most = places.entry(place).or_default();
+                        *most = most.max(area.min(least));
+                    }
+                    waiting.push((next, least));
+                }
+            }
+        }
+        places
+    }
+}
+
+/// The element whose surface is seen at a face before cell `beyond`: of the source's triangles the one with most area, the matter's own
+/// first.
+fn shown(scene: &Scene, prisms: &Prisms<'_>, beyond: u32, source: u32) -> Option<u32> {
+    let body = prisms.cells[beyond as usize].element;
+    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+    for &triangle in prisms.triangles_of(source) {
+        let element = scene.tables.triangles[triangle as usize].element;
+        if element == body {
+            return Some(element);
+        }
+        let [a, b, c] = scene.triangle(triangle).map(glam::DVec3::from);
+        *areas.entry(element).or_default() += (b - a).cross(c - a).length();
+    }
+    let most = areas.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+    most.map(|most| most.0).or((body != NONE).then_some(body))
+}

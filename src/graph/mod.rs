@@ -1,0 +1,237 @@
+//! The building's own graph: its rooms, what its openings join, where air meets air, and what bounds each room.
+//!
+//! All of it is read off a scene ([`Scene::graph`]), so that a scene's file and the model that it was compiled from give the same graph.
+//! `docs/GRAPH.md` tells how, and what the numbers mean.
+
+mod contacts;
+mod ends;
+mod line;
+mod measure;
+mod sides;
+
+use std::collections::BTreeMap;
+
+use crate::format::FaceKind;
+use crate::format::records::CellRecord;
+use crate::scene::Scene;
+use crate::trace::{NONE, Prisms};
+use enfilade_importers::Semantic;
+
+/// The graph of a building. Everything is in metres, internal frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Graph {
+    /// By room of the scene ([`Scene::room`]).
+    pub rooms: Vec<RoomNode>,
+    /// The doors, windows and openings that are air, in the order of their elements.
+    pub openings: Vec<OpeningNode>,
+    /// Where two places touch, or are joined by an opening: in the order of their places, then openings.
+    pub portals: Vec<Passage>,
+    /// What bounds rooms, the open and voids, by kind and element; square metres.
+    pub faces: BTreeMap<(Place, FaceKind, Option<u32>), f64>,
+    /// Air that neither a label fills nor the open reaches, piece by piece.
+    pub voids: Vec<VoidNode>,
+}
+
+/// A volume of air that is no opening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Place {
+    /// The room with this index.
+    Room(u32),
+    /// The open.
+    Exterior,
+    /// The void with this index.
+    Void(u32),
+}
+
+/// What lies beyond an end of an opening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// The room with this index.
+    Room(u32),
+    /// The open.
+    Exterior,
+    /// Air that neither a room labels nor the open reaches, or no air within half a metre.
+    Void,
+}
+
+/// A room.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct RoomNode {
+    /// Index of its element.
+    pub element: u32,
+    /// Its cells, ascending. None, if it has no air of its own, or the scene has no cells.
+    pub cells: Vec<u32>,
+    /// Volume of its air, m3: of its cells. Of a scene without cells, and of a room without, that of its label.
+    pub volume: f64,
+    /// Area in the plan of what its air stands on, m2: matter, or the open or a void where no floor was modelled, but no hole in a floor, and
+    /// no other room.
+    pub floor_area: f64,
+}
+
+/// An opening.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct OpeningNode {
+    /// Index of its element.
+    pub element: u32,
+    /// What is beyond where it begins, and where it ends.
+    pub sides: [Side; 2],
+    /// The way through it, from its first side to its second; of unit length.
+    pub direction: [f64; 3],
+    /// The middles of its two ends.
+    pub ends: [[f64; 3]; 2],
+    /// Its cells, ascending; none where it was not cut from its host, or other labels fill it.
+    pub cells: Vec<u32>,
+}
+
+/// A place where air meets air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Passage {
+    /// What it joins, in order.
+    pub places: [Place; 2],
+    /// Index of the opening's element; `None` where they touch.
+    pub opening: Option<u32>,
+    /// Square metres: of an opening the lesser of what it shares with the one and with the other.
+    pub area: f64,
+}
+
+/// A void.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct VoidNode {
+    /// Its cells, ascending.
+    pub cells: Vec<u32>,
+    /// Volume, m3.
+    pub volume: f64,
+    /// The box around it, internal frame: lower and upper corner.
+    pub bounds: [[f64; 3]; 2],
+}
+
+/// What fills a cell, or lies around them all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Fill {
+    Place(Place),
+    /// The opening of this element.
+    Opening(u32),
+    Solid,
+    Around,
+}
+
+impl Scene {
+    /// The building's own graph. A scene without cells has rooms and nothing else.
+    pub fn graph(&self) -> Graph {
+        let prisms = Prisms::new(&self.tables);
+        let mut graph =
+            Graph { rooms: self.rooms().map(|room| RoomNode::labelled(&room)).collect(), ..Graph::default() };
+        if prisms.cells.len() <= 1 {
+            return graph;
+        }
+        let fills = contacts::fills(&prisms);
+        graph.gather(&prisms, &fills);
+        let prober = sides::Prober { scene: self, prisms };
+        let openings: Vec<u32> =
+            self.elements().filter(|e| is_opening(e.semantic())).map(|e| e.index()).collect();
+        let leads = crate::parallel::map(openings.len(), |i| prober.leads(openings[i]));
+        let mut cells: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (fill, cell) in fills.iter().zip(0..) {
+            if let Fill::Opening(element) = fill {
+                cells.entry(*element).or_default().push(cell);
+            }
+        }
+        for (element, leads) in openings.into_iter().zip(leads) {
+            let Some(leads) = leads else { continue };
+            graph.openings.push(OpeningNode {
+                element,
+                sides: leads.sides,
+                direction: leads.direction.to_array(),
+                ends: leads.ends.map(|end| end.to_array()),
+                cells: cells.remove(&element).unwrap_or_default(),
+            });
+        }
+        let contacts = contacts::Contacts::of(self, &prisms, &fills);
+        graph.portals = contacts.passages();
+        graph.faces = contacts.faces;
+        graph
+    }
+}
+
+impl RoomNode {
+    /// As its label says.
+    fn labelled(room: &crate::scene::RoomView<'_>) -> RoomNode {
+        RoomNode {
+            element: room.element().index(),
+            cells: Vec::new(),
+            volume: room.volume().unwrap_or(0.0),
+            floor_area: room.floor_area().unwrap_or(0.0),
+        }
+    }
+}
+
+impl Graph {
+    /// Reads off the cells what rooms and voids are made of.
+    fn gather(&mut self, prisms: &Prisms<'_>, fills: &[Fill]) {
+        for (fill, cell) in fills.iter().zip(0u32..) {
+            let Fill::Place(place) = *fill else { continue };
+            let record = &prisms.cells[cell as usize];
+            let volume = measure::volume(prisms, record);
+            match place {
+                Place::Room(room) => {
+                    let room = &mut self.rooms[room as usize];
+                    if room.cells.is_empty() {
+                        (room.volume, room.floor_area) = (0.0, 0.0);
+                    }
+                    room.cells.push(cell);
+                    room.volume += volume;
+                    let below = prisms.covers_of(record).0;
+                    let areas = measure::covered(prisms, record, below);
+                    let is_floor = |cover: u32| {
+                        !matches!(fills[cover as usize], Fill::Place(Place::Room(_)) | Fill::Opening(_))
+                    };
+                    let floors = below.iter().zip(areas).filter(|(cover, _)| is_floor(cover.cell));
+                    room.floor_area += floors.map(|(_, area)| area).sum::<f64>();
+                }
+                Place::Void(void) => {
+                    while self.voids.len() <= void as usize {
+                        let bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+                        self.voids.push(VoidNode { cells: Vec::new(), volume: 0.0, bounds });
+                    }
+                    let void = &mut self.voids[void as usize];
+                    void.cells.push(cell);
+                    void.volume += volume;
+                    for corner in measure::corners(prisms, record) {
+                        for axis in 0..3 {
+                            void.bounds[0][axis] = void.bounds[0][axis].min(corner[axis]);
+                            void.bounds[1][axis] = void.bounds[1][axis].max(corner[axis]);
+                        }
+                    }
+                }
+                Place::Exterior => {}
+            }
+        }
+    }
+
+    /// The openings that lead from one place to another.
+    pub fn openings_between(&self, one: Side, other: Side) -> impl Iterator<Item = &OpeningNode> {
+        self.openings
+            .iter()
+            .filter(move |opening| opening.sides == [one, other] || opening.sides == [other, one])
+    }
+}
+
+/// Whether an element is an opening, by its meaning.
+fn is_opening(semantic: Semantic) -> bool {
+    matches!(semantic, Semantic::Door | Semantic::Window | Semantic::Opening)
+}
+
+/// What a cell of air is; voids are not told from each other.
+fn air(cell: &CellRecord) -> Fill {
+    match Semantic::from_number(cell.semantic).unwrap_or_default() {
+        semantic if is_opening(semantic) => Fill::Opening(cell.element),
+        Semantic::Exterior => Fill::Place(Place::Exterior),
+        _ if cell.room != NONE => Fill::Place(Place::Room(cell.room)),
+        _ => Fill::Place(Place::Void(0)),
+    }
+}

@@ -1,0 +1,110 @@
+//! The graph of a building: what openings join, and what surrounds rooms, against the truth of generated buildings.
+#![cfg(feature = "compile")]
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use enfilade::generate::{
+    Building, HouseOptions, OfficeOptions, Style, TowerOptions, Unit, build1, house, random, tower,
+};
+use enfilade::graph::Side;
+use enfilade::importers::{Model, Semantic};
+use enfilade::{CompileOptions, Scene, compile};
+
+fn scene(model: &Model) -> Scene {
+    compile(model, &CompileOptions::default()).unwrap().scene()
+}
+
+/// Every option alone, at its most; and some at once.
+fn all_styles() -> Vec<(String, Style)> {
+    let styled = |change: &dyn Fn(&mut Style)| {
+        let mut style = Style::exact();
+        style.seed = 1;
+        change(&mut style);
+        style
+    };
+    let mut all = vec![("exact".to_owned(), Style::exact())];
+    for (name, _) in Style::exact().shares_mut() {
+        let most = |style: &mut Style| {
+            let found = style.shares_mut().into_iter().find(|(other, _)| *other == name);
+            *found.unwrap().1 = 1.0;
+        };
+        all.push((name.to_owned(), styled(&most)));
+    }
+    all.push(("storey-spaces".to_owned(), styled(&|s| s.storey_spaces = true)));
+    all.push(("off-grid".to_owned(), styled(&|s| s.off_grid = true)));
+    all.push(("turned".to_owned(), styled(&|s| s.turned = true)));
+    all.push(("far".to_owned(), styled(&|s| s.far = true)));
+    all.push(("mm".to_owned(), styled(&|s| s.unit = Unit::Millimetre)));
+    all.push(("cad".to_owned(), Style::cad(1)));
+    all
+}
+
+fn buildings() -> Vec<Building> {
+    let mut all = vec![house(&HouseOptions::default()), build1(&OfficeOptions::default())];
+    all.push(tower(&TowerOptions::default()));
+    all.extend((1..=3).map(|seed| {
+        let mut options = OfficeOptions::default();
+        options.seed = seed;
+        random(&options)
+    }));
+    all
+}
+
+/// The elements of the model with one of some meanings, and the ids that the truth has for them: both are in the order of the building. Where
+/// identities stay, other elements may be between them.
+fn named<'t>(
+    scene: &Scene,
+    is_meant: impl Fn(Semantic) -> bool,
+    truth: impl Iterator<Item = &'t str> + Clone,
+) -> BTreeMap<u32, &'t str> {
+    let elements = || scene.elements().filter(|e| is_meant(e.semantic()));
+    if elements().count() == truth.clone().count() {
+        return elements().map(|e| e.index()).zip(truth).collect();
+    }
+    elements().filter_map(|e| Some((e.index(), truth.clone().find(|id| *id == e.id())?))).collect()
+}
+
+#[test]
+fn openings_join_what_they_join_in_truth() {
+    for building in buildings() {
+        let truth = building.truth();
+        for (name, style) in all_styles() {
+            if style.openings_missing > 0.0 || style.rooms_missing > 0.0 {
+                continue;
+            }
+            let scene = scene(&building.export(&style).to_model().unwrap());
+            let graph = scene.graph();
+            let rooms =
+                named(&scene, |s| s == Semantic::Room, truth.rooms.iter().map(|room| room.air.id.as_str()));
+            let is_opening = |s| matches!(s, Semantic::Door | Semantic::Window | Semantic::Opening);
+            let openings =
+                named(&scene, is_opening, truth.openings.iter().map(|opening| opening.air.id.as_str()));
+            assert_eq!(openings.len(), truth.openings.len(), "{} {name}", truth.name);
+            assert_eq!(graph.openings.len(), truth.openings.len(), "{} {name}", truth.name);
+            let joins: BTreeMap<&str, BTreeSet<&str>> = truth
+                .openings
+                .iter()
+                .map(|o| (o.air.id.as_str(), o.joins.iter().map(|join| join.id.as_str()).collect()))
+                .collect();
+            for opening in &graph.openings {
+                let id = openings[&opening.element];
+                let side = |side: Side| match side {
+                    Side::Room(room) => {
+                        let room = scene.room(room).element();
+                        rooms.get(&room.index()).copied().unwrap_or(room.path())
+                    }
+                    Side::Exterior => truth.exterior.id.as_str(),
+                    Side::Void => "VOID",
+                };
+                let sides: BTreeSet<&str> = opening.sides.into_iter().map(side).collect();
+                assert_eq!(
+                    sides,
+                    joins[id],
+                    "{} {name}: {id} {}",
+                    truth.name,
+                    scene.element(opening.element).path()
+                );
+            }
+        }
+    }
+}
