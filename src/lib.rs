@@ -60,6 +60,8 @@ pub mod compile;
 #[cfg(feature = "compile")]
 pub mod components;
 #[cfg(feature = "compile")]
+pub mod derive;
+#[cfg(feature = "compile")]
 pub mod export;
 pub mod format;
 #[cfg(feature = "compile")]

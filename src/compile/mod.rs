@@ -21,6 +21,7 @@ use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget
 
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
+use crate::derive::{self, DeriveOptions};
 use crate::format::records::{
     BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
     TriangleRecord, VolumeRecord,
@@ -44,6 +45,8 @@ pub struct CompileOptions {
     pub untagged: Untagged,
     /// Whether to cut the space into cells (default), or to leave it one cell with all triangles. Both give right answers.
     pub cells: bool,
+    /// What to find in the building that the model does not say.
+    pub derive: DeriveOptions,
     /// Whether the file keeps the map of the building ([`Scene::building`]), so that it can be validated without the model.
     /// Default no: rays do not need it. Without cells there is none.
     pub topology: bool,
@@ -59,6 +62,7 @@ impl Default for CompileOptions {
             tolerance: 1e-3,
             untagged: Untagged::default(),
             cells: true,
+            derive: DeriveOptions::default(),
             topology: false,
             limits: Limits::default(),
             watch: Watch::default(),
@@ -110,13 +114,24 @@ pub enum CompileError {
 /// The hull is the box around the model, larger by this on all sides, metres.
 const MARGIN: f64 = 1.0;
 
-/// Compiles `model`.
+/// Compiles `model`, with what it lacks ([`CompileOptions::derive`]).
 ///
 /// The same model and options give the same bytes, at any thread count and on any machine.
 ///
 /// # Errors
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
+    let start = Instant::now();
+    let (model, derived) = derive::complete(model, options.untagged, &options.derive);
+    let stage = Stage { name: "derived elements", seconds: start.elapsed().as_secs_f64() };
+    let mut compiled = compile_complete(&model, options)?;
+    compiled.report.stages.insert(0, stage);
+    compiled.report.derived = derived;
+    Ok(compiled)
+}
+
+/// Compiles `model` as it is.
+fn compile_complete(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
     if !options.cells {
         return compile_tables(model, &whole(), None, options);
     }

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Frame, Model, Role};
+use enfilade_importers::{Frame, Model, Role, TagSource};
 use serde::Serialize;
 
 use super::geometry::Gathered;
 use super::{CompileOptions, Counted};
+use crate::derive::DeriveReport;
 use crate::format::Tables;
 use crate::format::records::Traits;
 use crate::partition::PartitionReport;
@@ -56,6 +57,8 @@ pub struct Report {
     pub repairs: Vec<Repair>,
     /// Longest chain of nodes in the hierarchy of boxes.
     pub hierarchy_depth: u32,
+    /// What was found in the building and is not in the model; nothing where a caller did not ask for it.
+    pub derived: DeriveReport,
     /// How the space was cut into cells, places in the source's own frame; `None` if it is one cell.
     pub partition: Option<PartitionReport>,
     /// Parts of cells' surfaces that mean the same to rays as the one beside them, and became one with it.
@@ -143,9 +146,11 @@ pub(super) fn make(
     counted: &Counted,
 ) -> Report {
     let scene = &tables.scene[0];
+    let found = model.elements.iter().filter(|element| element.tagged_by == TagSource::Derived);
+    let derived: u64 = found.map(|element| element.mesh.triangles.len() as u64).sum();
     let mut out = vec![
         Count { what: "detail".to_owned(), count: counted.detail },
-        Count { what: "air labels".to_owned(), count: gathered.label_triangles },
+        Count { what: "air labels".to_owned(), count: gathered.label_triangles - derived },
         Count { what: "ignored elements".to_owned(), count: gathered.ignored_triangles },
     ];
     let cells = &tables.cells[1..];
@@ -189,6 +194,7 @@ pub(super) fn make(
         hull: scene.hull,
         traits: Traits(scene.traits).names(),
         triangles_in: model.triangles_read,
+        derived: DeriveReport::default(),
         triangles_out: out,
         left_out,
         roles: roles

@@ -1,0 +1,158 @@
+//! Openings for the doors and windows of a model that have none.
+
+use std::collections::BTreeMap;
+
+use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, TagSource, Untagged};
+use glam::DVec3;
+
+use super::DeriveReport;
+use super::holes::Hole;
+use super::matter::{Bounds, Solids};
+use crate::roles::roles;
+
+/// A hole that has so much of another in it is the same: a frame and its panes.
+const SAME: f64 = 0.5;
+
+/// The openings that doors and windows should have and do not.
+pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveReport) -> Vec<Element> {
+    let roles = roles(model, untagged);
+    let fillings = unopened(model, &roles);
+    if fillings.is_empty() {
+        return Vec::new();
+    }
+    let solids = Solids::of(model, &roles);
+    let around = |i: usize| {
+        let mesh = &model.elements[fillings[i].0 as usize].mesh;
+        let corners: Vec<DVec3> = mesh.positions.iter().map(|&p| p.into()).collect();
+        Hole::around(&corners, &solids)
+    };
+    let holes = crate::parallel::map(fillings.len(), around);
+    let mut found: Vec<(ElementId, Hole)> = Vec::new();
+    for (&filling, hole) in fillings.iter().zip(holes) {
+        match hole {
+            Some(hole) => found.push((filling, hole)),
+            None => report.without_hole.push(model.elements[filling.0 as usize].path.clone()),
+        }
+    }
+    // Panes are of the frame around them; else the larger leads.
+    found.sort_by(|a, b| {
+        let rank = |(filling, hole): &(ElementId, Hole)| {
+            (model.elements[filling.0 as usize].semantic == Semantic::Glass, -hole.volume())
+        };
+        let (a, b) = ((rank(a), a.0), (rank(b), b.0));
+        a.0.0.cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)).then(a.1.cmp(&b.1))
+    });
+    let mut kept: Vec<(ElementId, Hole)> = Vec::new();
+    for (filling, hole) in found {
+        if !kept.iter().any(|(_, other)| hole.share_in(other) > SAME) {
+            kept.push((filling, hole));
+        }
+    }
+    kept.sort_by_key(|(filling, _)| *filling);
+    let mut ids: BTreeMap<String, u32> =
+        model.elements.iter().map(|element| (element.id.clone(), 0)).collect();
+    report.openings = kept.len() as u64;
+    kept.iter().map(|(filling, hole)| opening(model, *filling, hole, &mut ids)).collect()
+}
+
+/// The doors and windows that no opening is there for.
+fn unopened(model: &Model, roles: &[Role]) -> Vec<ElementId> {
+    let is_opening = |element: &Element| {
+        matches!(element.semantic, Semantic::Door | Semantic::Window | Semantic::Opening)
+            && !element.mesh.triangles.is_empty()
+    };
+    let openings: BTreeMap<&str, &Element> =
+        model.elements.iter().filter(|e| is_opening(e)).map(|e| (e.id.as_str(), e)).collect();
+    let filled: std::collections::BTreeSet<&str> =
+        openings.values().filter_map(|opening| opening.filling.as_deref()).collect();
+    let boxes: Vec<Bounds> = openings
+        .values()
+        .map(|e| Bounds::of(e.mesh.positions.iter().map(|&p| p.into())).grown(1e-3))
+        .collect();
+    let mut unopened = Vec::new();
+    for (element, i) in model.elements.iter().zip(0..) {
+        let is_filling =
+            matches!(element.semantic, Semantic::DoorLeaf | Semantic::WindowFrame | Semantic::Glass);
+        if !is_filling || roles[i as usize] != Role::Detail || element.mesh.triangles.is_empty() {
+            continue;
+        }
+        let is_known = element.opening.as_deref().is_some_and(|id| openings.contains_key(id))
+            || filled.contains(element.id.as_str());
+        let bounds = Bounds::of(element.mesh.positions.iter().map(|&p| p.into()));
+        if !is_known && !boxes.iter().any(|opening| opening.holds((bounds.lo + bounds.hi) / 2.0)) {
+            unopened.push(ElementId(i));
+        }
+    }
+    unopened
+}
+
+impl Hole {
+    fn size(&self) -> [f64; 3] {
+        self.range.map(|[lo, hi]| hi - lo)
+    }
+
+    fn volume(&self) -> f64 {
+        self.size().iter().product()
+    }
+
+    fn corner(&self, at: [usize; 3]) -> DVec3 {
+        (0..3).map(|axis| self.axes[axis] * self.range[axis][at[axis]]).sum()
+    }
+
+    /// The share of it that lies in another, as their boxes along that one's axes say.
+    fn share_in(&self, other: &Hole) -> f64 {
+        let corners: Vec<DVec3> = (0..8).map(|i| self.corner([i & 1, i >> 1 & 1, i >> 2])).collect();
+        let mut share = 1.0;
+        for (axis, [lo, hi]) in other.axes.iter().zip(other.range) {
+            let own = corners.iter().map(|corner| corner.dot(*axis));
+            let [from, to] = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], c| [a.min(c), b.max(c)]);
+            share *= ((to.min(hi) - from.max(lo)) / (to - from).max(1e-9)).clamp(0.0, 1.0);
+        }
+        share
+    }
+
+    fn mesh(&self) -> Mesh {
+        let mut mesh = Mesh::default();
+        // Corner i has the far end along axis k where bit k of i is set.
+        mesh.positions = (0..8).map(|i| self.corner([i & 1, i >> 1 & 1, i >> 2]).to_array()).collect();
+        let quads: [[u32; 4]; 6] =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        // Axes may be left-handed.
+        let is_right = self.axes[0].cross(self.axes[1]).dot(self.axes[2]) > 0.0;
+        for [a, b, c, d] in quads {
+            let both = if is_right { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+            mesh.triangles.extend(both);
+        }
+        mesh.materials = vec![MaterialId(0); mesh.triangles.len()];
+        mesh
+    }
+}
+
+fn opening(model: &Model, filling: ElementId, hole: &Hole, ids: &mut BTreeMap<String, u32>) -> Element {
+    let filling = &model.elements[filling.0 as usize];
+    let mut element = Element::default();
+    element.id = unused(format!("opening:{}", filling.id), ids);
+    element.name = filling.name.clone();
+    element.source_name = element.name.clone();
+    element.path = format!("{}/opening", filling.path);
+    element.place = filling.place.clone();
+    element.class = Some("IfcOpeningElement".to_owned());
+    element.semantic = if filling.semantic == Semantic::DoorLeaf { Semantic::Door } else { Semantic::Window };
+    element.tagged_by = TagSource::Derived;
+    element.storey = filling.storey.clone();
+    element.host = Some(model.elements[hole.host.0 as usize].id.clone());
+    element.filling = Some(filling.id.clone());
+    element.mesh = hole.mesh();
+    element
+}
+
+/// `id`, or with a number after it if there is one like it.
+pub(super) fn unused(id: String, ids: &mut BTreeMap<String, u32>) -> String {
+    let Some(count) = ids.get_mut(&id) else {
+        ids.insert(id.clone(), 0);
+        return id;
+    };
+    *count += 1;
+    let other = format!("{id}~{count}");
+    unused(other, ids)
+}
