@@ -8,7 +8,7 @@ use enfilade::generate::{
 };
 use enfilade::graph::Side;
 use enfilade::importers::{Model, Semantic};
-use enfilade::{CompileOptions, Scene, compile};
+use enfilade::{CompileOptions, Place, Scene, compile};
 
 fn scene(model: &Model) -> Scene {
     compile(model, &CompileOptions::default()).unwrap().scene()
@@ -157,6 +157,74 @@ fn openings_are_found_where_none_are_tagged() {
             }
             println!("{} {name}: {right} of {all}", truth.name);
             assert!(right * 100 >= all * 99, "{} {name}: {right} of {all}", truth.name);
+        }
+    }
+}
+
+/// Points at which rooms are compared.
+const POINTS: usize = 60_000;
+
+/// The share of the floor area of one scene's rooms that another scene has rooms for, each of which shares 90 % with it: what both hold by what
+/// either does, of points of the plan at a height of 1.2 m over each floor.
+fn found_again(truth: &Scene, scene: &Scene) -> f64 {
+    let room = |scene: &Scene, point| match scene.locate(point) {
+        Place::Air { room, .. } => room,
+        _ => None,
+    };
+    let mut heights: Vec<f64> = truth.rooms().map(|room| room.bounds()[0][2] + 1.2).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup_by(|a, b| (*a - *b).abs() < 0.3);
+    let [lo, hi] = truth.hull();
+    let (mut both, mut sizes) = (BTreeMap::new(), [BTreeMap::new(), BTreeMap::new()]);
+    // The points of the additive recurrence by the plastic number fill a square evenly.
+    for (i, z) in (0..POINTS).map(|i| (i as f64 + 0.5, heights[i % heights.len()])) {
+        let [u, v] = [0.754_877_666_246_693 * i % 1.0, 0.569_840_290_998_053 * i % 1.0];
+        let point = [lo[0] + (hi[0] - lo[0]) * u, lo[1] + (hi[1] - lo[1]) * v, z];
+        let rooms = [room(truth, point), room(scene, point)];
+        for (size, room) in sizes.iter_mut().zip(rooms) {
+            *size.entry(room).or_insert(0) += 1;
+        }
+        if let [Some(one), Some(other)] = rooms {
+            *both.entry((one, other)).or_insert(0) += 1;
+        }
+    }
+    let (mut all, mut found) = (0.0, 0.0);
+    for (room, number) in truth.rooms().zip(0..) {
+        let area = room.floor_area().unwrap_or(0.0);
+        all += area;
+        let again = both.iter().any(|(&(one, other), &count)| {
+            let either = sizes[0][&Some(number)] + sizes[1][&Some(other)] - count;
+            one == number && count * 10 >= either * 9
+        });
+        if again {
+            found += area;
+        } else {
+            println!("not found again: {} {area:.1} m2", room.element().path());
+        }
+    }
+    found / all
+}
+
+#[test]
+fn rooms_are_found_where_none_are_tagged() {
+    for building in buildings() {
+        for (name, mut style) in all_styles() {
+            if style.rooms_missing > 0.0 || style.openings_missing > 0.0 || style.storey_spaces {
+                continue;
+            }
+            // Of corners that do not meet no room is closed.
+            let noise = std::mem::take(&mut style.noisy_corners);
+            let truth = scene(&building.export(&style).to_model().unwrap());
+            style.noisy_corners = noise;
+            for openings_missing in [0.0, 1.0] {
+                style.rooms_missing = 1.0;
+                style.openings_missing = openings_missing;
+                let found = scene(&building.export(&style).to_model().unwrap());
+                let share = found_again(&truth, &found);
+                println!("{} {name} without {openings_missing}: {share}", building.name);
+                assert!(share >= 0.95, "{} {name} without {openings_missing}: {share}", building.name);
+                assert!(found.rooms().all(|room| room.element().is_derived() && room.is_closed()));
+            }
         }
     }
 }

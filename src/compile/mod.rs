@@ -70,6 +70,15 @@ impl Default for CompileOptions {
     }
 }
 
+impl CompileOptions {
+    fn partition(&self) -> PartitionOptions {
+        PartitionOptions::default()
+            .with_untagged(self.untagged)
+            .with_limits(self.limits)
+            .with_watch(self.watch.clone())
+    }
+}
+
 /// A compiled scene as the bytes of its file, and what was done to make it.
 #[derive(Clone, Debug)]
 pub struct Compiled {
@@ -122,7 +131,7 @@ const MARGIN: f64 = 1.0;
 /// [`CompileError`].
 pub fn compile(model: &Model, options: &CompileOptions) -> Result<Compiled, CompileError> {
     let start = Instant::now();
-    let (model, derived) = derive::complete(model, options.untagged, &options.derive);
+    let (model, derived) = derive::complete(model, &options.derive, &options.partition())?;
     let stage = Stage { name: "derived elements", seconds: start.elapsed().as_secs_f64() };
     let mut compiled = compile_complete(&model, options)?;
     compiled.report.stages.insert(0, stage);
@@ -135,11 +144,7 @@ fn compile_complete(model: &Model, options: &CompileOptions) -> Result<Compiled,
     if !options.cells {
         return compile_tables(model, &whole(), None, options);
     }
-    let how = PartitionOptions::default()
-        .with_untagged(options.untagged)
-        .with_limits(options.limits)
-        .with_watch(options.watch.clone());
-    let failed = match partition(model, &how) {
+    let failed = match partition(model, &options.partition()) {
         Ok((partition, partitioned)) => match compile_partition(model, partition, options) {
             Ok(mut compiled) => {
                 compiled.report.add_partition(&partitioned, &model.frame);

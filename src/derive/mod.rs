@@ -3,31 +3,46 @@
 //! Exporters leave out opening elements and spaces by default. [`complete`] adds them to a model as elements of their own, tagged by
 //! [`TagSource::Derived`](enfilade_importers::TagSource::Derived), so that all that comes after treats them as any other. `docs/GRAPH.md` tells how they are found.
 
+mod floors;
 mod holes;
 mod matter;
 mod openings;
+mod passage;
+mod rooms;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Element, Model, Untagged};
+use enfilade_importers::{Cancelled, Element, Model, Semantic, TagSource};
+
+use crate::partition::storeys::storeys;
+use crate::partition::{PartitionError, PartitionOptions};
+use crate::roles::roles;
 
 /// What to add to a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DeriveOptions {
-    /// Openings of doors and windows that have none. Default: yes.
+    /// Openings of doors and windows that have none; and, if the model has no openings at all, holes in walls that nothing fills.
+    /// Default: yes.
     pub openings: bool,
+    /// Rooms, if the model has none at all. Default: yes.
+    pub rooms: bool,
+    /// A hole in a wall that is wider than this, metres, and has no sill joins what it lies between to one room. Default: 3.
+    pub widest_hole: f64,
+    /// Rooms have at least this floor area, square metres. Default: 0.7.
+    pub least_area: f64,
 }
 
 impl DeriveOptions {
     /// Nothing is added.
-    pub const NOTHING: DeriveOptions = DeriveOptions { openings: false };
+    pub const NOTHING: DeriveOptions =
+        DeriveOptions { openings: false, rooms: false, widest_hole: 3.0, least_area: 0.7 };
 }
 
 impl Default for DeriveOptions {
     fn default() -> DeriveOptions {
-        DeriveOptions { openings: true }
+        DeriveOptions { openings: true, rooms: true, ..DeriveOptions::NOTHING }
     }
 }
 
@@ -39,21 +54,110 @@ pub struct DeriveReport {
     pub openings: u64,
     /// Doors and windows around which there is no hole in anything solid: their paths.
     pub without_hole: Vec<String>,
+    /// Openings added that neither a door nor a window fills, of all of them.
+    pub unfilled: u64,
+    /// Rooms added.
+    pub rooms: u64,
+    /// Why rooms could not be looked for.
+    pub failed: Option<String>,
 }
 
-/// The model with what it lacks, as elements after its own; as it is, if it lacks nothing.
+/// The model with what it lacks, as elements after its own; as it is, if it lacks nothing. `how` says what elements without a tag are taken for,
+/// and what it may cost.
+///
+/// # Errors
+/// [`Cancelled`]. Where rooms cannot be looked for, there are none, and the report says why.
 pub fn complete<'m>(
     model: &'m Model,
-    untagged: Untagged,
     options: &DeriveOptions,
-) -> (Cow<'m, Model>, DeriveReport) {
+    how: &PartitionOptions,
+) -> Result<(Cow<'m, Model>, DeriveReport), Cancelled> {
     let mut report = DeriveReport::default();
+    let has =
+        |model: &Model, is_meant: fn(Semantic) -> bool| model.elements.iter().any(|e| is_meant(e.semantic));
+    let lacks_rooms = options.rooms && !has(model, |s| matches!(s, Semantic::Room | Semantic::Stairwell));
+    let lacks_openings = options.openings
+        && !has(model, |s| matches!(s, Semantic::Door | Semantic::Window | Semantic::Opening));
     let mut model = Cow::Borrowed(model);
     if options.openings {
-        let openings = openings::missing(&model, untagged, &mut report);
+        let openings = openings::missing(&model, how.untagged, &mut report);
         add(&mut model, openings);
+        how.watch.check()?;
     }
-    (model, report)
+    if lacks_rooms || lacks_openings {
+        let roles = roles(&model, how.untagged);
+        let floors = floors::floors(&model, &roles);
+        if floors.len() < 2 {
+            return Ok((model, report));
+        }
+        let storeys = match storeys(&model, &floors, how) {
+            Ok(storeys) => storeys,
+            Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
+            Err(failed) => {
+                report.failed = Some(failed.to_string());
+                return Ok((model, report));
+            }
+        };
+        let names = floors::names(&model, &floors);
+        let found = rooms::find(&model, &roles, &storeys, options);
+        let mut ids = Ids::of(&model);
+        let mut elements = Vec::new();
+        if lacks_rooms {
+            elements.extend(named_rooms(found.rooms, &names, &mut ids));
+            report.rooms = elements.len() as u64;
+        }
+        if lacks_openings {
+            report.openings += found.holes.len() as u64;
+            report.unfilled = found.holes.len() as u64;
+            elements.extend(named_holes(&model, found.holes, &names, &mut ids));
+        }
+        add(&mut model, elements);
+    }
+    Ok((model, report))
+}
+
+fn derived(id: String, name: String, class: &str, semantic: Semantic, storey: &str) -> Element {
+    let mut element = Element::default();
+    element.path = id.clone();
+    element.id = id;
+    element.source_name = name.clone();
+    element.name = name;
+    element.class = Some(class.to_owned());
+    element.semantic = semantic;
+    element.tagged_by = TagSource::Derived;
+    element.storey = Some(storey.to_owned());
+    element
+}
+
+/// Rooms by storey and number.
+fn named_rooms(rooms: Vec<rooms::FoundRoom>, names: &[String], ids: &mut Ids) -> Vec<Element> {
+    let mut numbers = vec![0; names.len()];
+    let room = |room: rooms::FoundRoom| {
+        let storey = &names[room.storey];
+        numbers[room.storey] += 1;
+        let number = numbers[room.storey];
+        let id = ids.unused(format!("room:{}.{number}", room.storey));
+        let mut element = derived(id, format!("{storey} {number}"), "IfcSpace", Semantic::Room, storey);
+        element.mesh = room.mesh;
+        element
+    };
+    rooms.into_iter().map(room).collect()
+}
+
+fn named_holes(model: &Model, holes: Vec<rooms::FoundHole>, names: &[String], ids: &mut Ids) -> Vec<Element> {
+    let mut numbers = vec![0; names.len()];
+    let hole = |hole: rooms::FoundHole| {
+        let storey = &names[hole.storey];
+        numbers[hole.storey] += 1;
+        let number = numbers[hole.storey];
+        let id = ids.unused(format!("opening:{}.{number}", hole.storey));
+        let name = format!("{storey} opening {number}");
+        let mut element = derived(id, name, "IfcOpeningElement", Semantic::Opening, storey);
+        element.host = hole.host.map(|host| model.elements[host.0 as usize].id.clone());
+        element.mesh = hole.mesh;
+        element
+    };
+    holes.into_iter().map(hole).collect()
 }
 
 fn add(model: &mut Cow<'_, Model>, elements: Vec<Element>) {
@@ -68,5 +172,26 @@ fn add(model: &mut Cow<'_, Model>, elements: Vec<Element>) {
             model.elements[filling].opening = Some(element.id.clone());
         }
         model.elements.push(element);
+    }
+}
+
+/// The ids that a model has.
+struct Ids(BTreeMap<String, u32>);
+
+impl Ids {
+    fn of(model: &Model) -> Ids {
+        Ids(model.elements.iter().map(|element| (element.id.clone(), 0)).collect())
+    }
+
+    /// `id`, or with a number after it if there is one like it.
+    fn unused(&mut self, id: String) -> String {
+        let mut own = id.clone();
+        while self.0.contains_key(&own) {
+            let count = self.0.entry(id.clone()).or_default();
+            *count += 1;
+            own = format!("{id}~{count}");
+        }
+        self.0.insert(own.clone(), 0);
+        own
     }
 }

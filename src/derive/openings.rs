@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, TagSource, Untagged};
 use glam::DVec3;
 
-use super::DeriveReport;
 use super::holes::Hole;
 use super::matter::{Bounds, Solids};
+use super::{DeriveReport, Ids};
 use crate::roles::roles;
 
 /// A hole that has so much of another in it is the same: a frame and its panes.
@@ -49,9 +49,8 @@ pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveRepo
         }
     }
     kept.sort_by_key(|(filling, _)| *filling);
-    let mut ids: BTreeMap<String, u32> =
-        model.elements.iter().map(|element| (element.id.clone(), 0)).collect();
-    report.openings = kept.len() as u64;
+    let mut ids = Ids::of(model);
+    report.openings += kept.len() as u64;
     kept.iter().map(|(filling, hole)| opening(model, *filling, hole, &mut ids)).collect()
 }
 
@@ -128,10 +127,10 @@ impl Hole {
     }
 }
 
-fn opening(model: &Model, filling: ElementId, hole: &Hole, ids: &mut BTreeMap<String, u32>) -> Element {
+fn opening(model: &Model, filling: ElementId, hole: &Hole, ids: &mut Ids) -> Element {
     let filling = &model.elements[filling.0 as usize];
     let mut element = Element::default();
-    element.id = unused(format!("opening:{}", filling.id), ids);
+    element.id = ids.unused(format!("opening:{}", filling.id));
     element.name = filling.name.clone();
     element.source_name = element.name.clone();
     element.path = format!("{}/opening", filling.path);
@@ -144,15 +143,4 @@ fn opening(model: &Model, filling: ElementId, hole: &Hole, ids: &mut BTreeMap<St
     element.filling = Some(filling.id.clone());
     element.mesh = hole.mesh();
     element
-}
-
-/// `id`, or with a number after it if there is one like it.
-pub(super) fn unused(id: String, ids: &mut BTreeMap<String, u32>) -> String {
-    let Some(count) = ids.get_mut(&id) else {
-        ids.insert(id.clone(), 0);
-        return id;
-    };
-    *count += 1;
-    let other = format!("{id}~{count}");
-    unused(other, ids)
 }

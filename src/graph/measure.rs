@@ -15,7 +15,7 @@ fn moments(corners: &[DVec2]) -> (f64, DVec2) {
 }
 
 /// Area of a polygon whose corners go counter-clockwise.
-pub(super) fn area(corners: &[DVec2]) -> f64 {
+pub(crate) fn area(corners: &[DVec2]) -> f64 {
     moments(corners).0 / 2.0
 }
 

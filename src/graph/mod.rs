@@ -9,6 +9,9 @@ mod line;
 mod measure;
 mod sides;
 
+#[cfg(feature = "compile")]
+pub(crate) use measure::{area, clipped};
+
 use std::collections::BTreeMap;
 
 use crate::format::FaceKind;

@@ -31,6 +31,7 @@ mod shapes;
 mod slabs;
 pub mod snap;
 mod stacks;
+pub(crate) mod storeys;
 pub mod straighten;
 pub mod surfaces;
 #[cfg(test)]
