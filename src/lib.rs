@@ -79,6 +79,8 @@ mod parallel;
 #[cfg(feature = "compile")]
 pub mod partition;
 #[cfg(feature = "render")]
+pub mod plan;
+#[cfg(feature = "render")]
 pub mod render;
 #[cfg(feature = "compile")]
 pub mod roles;

@@ -254,11 +254,20 @@ impl Reading {
 
     /// Opens a scene, or compiles a model on the fly.
     pub fn scene(&self, path: &Path, resources: &Resources) -> Result<Scene, Failure> {
+        self.scene_with(path, resources, false)
+    }
+
+    /// The same; of a model its map is kept, too.
+    pub fn scene_with_map(&self, path: &Path, resources: &Resources) -> Result<Scene, Failure> {
+        self.scene_with(path, resources, true)
+    }
+
+    fn scene_with(&self, path: &Path, resources: &Resources, topology: bool) -> Result<Scene, Failure> {
         if is_scene(path) {
             return Scene::open(path).map_err(Failure::input);
         }
         let model = self.model(path, resources)?;
-        let compiled = self.compile(&model, resources, false)?;
+        let compiled = self.compile(&model, resources, topology)?;
         resources.warn(&compiled.report.warnings);
         Ok(compiled.scene())
     }

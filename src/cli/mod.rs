@@ -9,6 +9,7 @@ mod generate;
 mod input;
 mod inspect;
 mod output;
+mod plan;
 mod render;
 mod space;
 mod style;
@@ -40,6 +41,7 @@ Examples:
   enfilade compile house.glb -o house.enf         compile it
   enfilade render house.enf -o house.png          a picture from the largest room
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
+  enfilade plan house.enf -o house.svg            its floor plan
   enfilade export house.enf --graph house.json    its rooms and what its doors and windows join
   enfilade verify house.enf --model house.glb     check a million random rays
 
@@ -52,6 +54,7 @@ enum Command {
     Validate(validate::Arguments),
     Trace(trace::Arguments),
     Render(render::Arguments),
+    Plan(plan::Arguments),
     Export(export::Arguments),
     Verify(verify::Arguments),
     Bench(bench::Arguments),
@@ -90,6 +93,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

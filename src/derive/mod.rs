@@ -13,7 +13,7 @@ mod rooms;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Cancelled, Element, Model, Semantic, TagSource};
+use enfilade_importers::{Cancelled, Element, Mesh, Model, Semantic, TagSource};
 
 use crate::partition::storeys::storeys;
 use crate::partition::{PartitionError, PartitionOptions};
@@ -116,17 +116,18 @@ pub fn complete<'m>(
     Ok((model, report))
 }
 
-fn derived(id: String, name: String, class: &str, semantic: Semantic, storey: &str) -> Element {
-    let mut element = Element::default();
-    element.path = id.clone();
-    element.id = id;
-    element.source_name = name.clone();
-    element.name = name;
-    element.class = Some(class.to_owned());
-    element.semantic = semantic;
-    element.tagged_by = TagSource::Derived;
-    element.storey = Some(storey.to_owned());
-    element
+fn derived(id: String, name: String, class: &str, semantic: Semantic, mesh: Mesh) -> Element {
+    Element {
+        path: id.clone(),
+        id,
+        source_name: name.clone(),
+        name,
+        class: Some(class.to_owned()),
+        semantic,
+        tagged_by: TagSource::Derived,
+        mesh,
+        ..Element::default()
+    }
 }
 
 /// Rooms by storey and number.
@@ -137,9 +138,8 @@ fn named_rooms(rooms: Vec<rooms::FoundRoom>, names: &[String], ids: &mut Ids) ->
         numbers[room.storey] += 1;
         let number = numbers[room.storey];
         let id = ids.unused(format!("room:{}.{number}", room.storey));
-        let mut element = derived(id, format!("{storey} {number}"), "IfcSpace", Semantic::Room, storey);
-        element.mesh = room.mesh;
-        element
+        let name = format!("{storey} {number}");
+        Element { storey: Some(storey.clone()), ..derived(id, name, "IfcSpace", Semantic::Room, room.mesh) }
     };
     rooms.into_iter().map(room).collect()
 }
@@ -152,10 +152,11 @@ fn named_holes(model: &Model, holes: Vec<rooms::FoundHole>, names: &[String], id
         let number = numbers[hole.storey];
         let id = ids.unused(format!("opening:{}.{number}", hole.storey));
         let name = format!("{storey} opening {number}");
-        let mut element = derived(id, name, "IfcOpeningElement", Semantic::Opening, storey);
-        element.host = hole.host.map(|host| model.elements[host.0 as usize].id.clone());
-        element.mesh = hole.mesh;
-        element
+        Element {
+            storey: Some(storey.clone()),
+            host: hole.host.map(|host| model.elements[host.0 as usize].id.clone()),
+            ..derived(id, name, "IfcOpeningElement", Semantic::Opening, hole.mesh)
+        }
     };
     holes.into_iter().map(hole).collect()
 }

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, TagSource, Untagged};
+use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, Untagged};
 use glam::DVec3;
 
 use super::holes::Hole;
 use super::matter::{Bounds, Solids};
-use super::{DeriveReport, Ids};
+use super::{DeriveReport, Ids, derived};
 use crate::roles::roles;
 
 /// A hole that has so much of another in it is the same: a frame and its panes.
@@ -111,36 +111,37 @@ impl Hole {
     }
 
     fn mesh(&self) -> Mesh {
-        let mut mesh = Mesh::default();
         // Corner i has the far end along axis k where bit k of i is set.
-        mesh.positions = (0..8).map(|i| self.corner([i & 1, i >> 1 & 1, i >> 2]).to_array()).collect();
+        let positions = (0..8).map(|i| self.corner([i & 1, i >> 1 & 1, i >> 2]).to_array()).collect();
+        let mut triangles = Vec::with_capacity(12);
         let quads: [[u32; 4]; 6] =
             [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         // Axes may be left-handed.
         let is_right = self.axes[0].cross(self.axes[1]).dot(self.axes[2]) > 0.0;
         for [a, b, c, d] in quads {
             let both = if is_right { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
-            mesh.triangles.extend(both);
+            triangles.extend(both);
         }
-        mesh.materials = vec![MaterialId(0); mesh.triangles.len()];
-        mesh
+        let materials = vec![MaterialId(0); triangles.len()];
+        Mesh { positions, triangles, materials }
     }
 }
 
 fn opening(model: &Model, filling: ElementId, hole: &Hole, ids: &mut Ids) -> Element {
     let filling = &model.elements[filling.0 as usize];
-    let mut element = Element::default();
-    element.id = ids.unused(format!("opening:{}", filling.id));
-    element.name = filling.name.clone();
-    element.source_name = element.name.clone();
-    element.path = format!("{}/opening", filling.path);
-    element.place = filling.place.clone();
-    element.class = Some("IfcOpeningElement".to_owned());
-    element.semantic = if filling.semantic == Semantic::DoorLeaf { Semantic::Door } else { Semantic::Window };
-    element.tagged_by = TagSource::Derived;
-    element.storey = filling.storey.clone();
-    element.host = Some(model.elements[hole.host.0 as usize].id.clone());
-    element.filling = Some(filling.id.clone());
-    element.mesh = hole.mesh();
-    element
+    let semantic = if filling.semantic == Semantic::DoorLeaf { Semantic::Door } else { Semantic::Window };
+    Element {
+        place: filling.place.clone(),
+        path: format!("{}/opening", filling.path),
+        storey: filling.storey.clone(),
+        host: Some(model.elements[hole.host.0 as usize].id.clone()),
+        filling: Some(filling.id.clone()),
+        ..derived(
+            ids.unused(format!("opening:{}", filling.id)),
+            filling.name.clone(),
+            "IfcOpeningElement",
+            semantic,
+            hole.mesh(),
+        )
+    }
 }

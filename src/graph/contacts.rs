@@ -124,7 +124,7 @@ impl Contacts {
                 Fill::Solid | Fill::Around => {}
             }
         }
-        passages.sort_by(|a, b| (a.places, a.opening).cmp(&(b.places, b.opening)));
+        passages.sort_by_key(|passage| (passage.places, passage.opening));
         passages
     }
 

@@ -11,6 +11,8 @@ mod sides;
 
 #[cfg(feature = "compile")]
 pub(crate) use measure::{area, clipped};
+#[cfg(feature = "render")]
+pub(crate) use measure::{cut, footprint};
 
 use std::collections::BTreeMap;
 
