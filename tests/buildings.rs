@@ -1,16 +1,18 @@
 //! Real buildings, from the reader's own folder of models: `ENFILADE_BUILDINGS`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use enfilade::components::components;
+use enfilade::graph::{OpeningNode, Place, Side};
+use enfilade::importers::tagging::Rules;
 use enfilade::importers::{ElementId, Frame, ImportOptions, Model, Role, Semantic, Untagged, import};
 use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::partition::cells::{Label, Partition};
 use enfilade::partition::{PartitionOptions, partition};
 use enfilade::roles::roles;
 use enfilade::verify::MOST_EXCUSED;
-use enfilade::{CompileOptions, Hit, Place, Ray, Scene, VerifyOptions, Want, compile, verify};
+use enfilade::{CompileOptions, Hit, Place as Lies, Ray, Scene, VerifyOptions, Want, compile, verify};
 
 /// The models of the folder; `None`, and a word on it, if there is none.
 fn models() -> Option<Vec<PathBuf>> {
@@ -135,7 +137,7 @@ fn rays(plain: &Scene, far: &Scene, root: &[[f64; 4]; 3]) -> (Vec<Ray>, Vec<Ray>
     while rays.len() < 20_000 {
         let point = [0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * random());
         let direction = [random() - 0.5, random() - 0.5, random() - 0.5];
-        if !matches!(plain.locate(point), Place::Air { room: Some(_), .. }) {
+        if !matches!(plain.locate(point), Lies::Air { room: Some(_), .. }) {
             continue;
         }
         let (p, d) = (frame.point_to_source(point), frame.direction_to_source(direction));
@@ -279,4 +281,146 @@ impl<'a> Finder<'a> {
         let found = (0..self.boxes.len()).filter(near).find(|&index| holds(index));
         Some(self.partition.cells[found.expect("cells fill the hull")].label)
     }
+}
+
+/// What is written beside a model of what its openings join.
+fn adjacency(path: &Path) -> Option<Vec<serde_json::Value>> {
+    let text = std::fs::read_to_string(path.with_extension("adjacency.json")).ok()?;
+    Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
+}
+
+/// The rooms beyond an opening, in order; an empty text where there is none.
+fn sides(scene: &Scene, opening: &OpeningNode) -> [String; 2] {
+    let mut sides = opening.sides.map(|side| match side {
+        Side::Room(room) => scene.room(room).element().id().to_owned(),
+        _ => String::new(),
+    });
+    sides.sort();
+    sides
+}
+
+fn wanted(entry: &serde_json::Value) -> [String; 2] {
+    let mut sides = [0, 1].map(|side| entry["spaces"][side].as_str().unwrap_or("").to_owned());
+    sides.sort();
+    sides
+}
+
+fn without(path: &Path, classes: &str) -> Model {
+    let rules = format!("[[rule]]\nclass = '^({classes})$'\nsemantic = \"ANNOTATION\"\n");
+    let mut options = ImportOptions::default();
+    options.rules = Some(Rules::parse(&rules, "without.toml").unwrap());
+    import(path, &options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn openings_join_the_rooms_beyond_them() {
+    let (mut all, mut right) = (0, 0);
+    for path in models().unwrap_or_default() {
+        let Some(entries) = adjacency(&path) else { continue };
+        let scene = scene(&load(&path));
+        let graph = scene.graph();
+        let by_id: BTreeMap<&str, &OpeningNode> =
+            graph.openings.iter().map(|opening| (scene.element(opening.element).id(), opening)).collect();
+        let count = entries.iter().filter(|entry| {
+            let opening = by_id.get(entry["opening"].as_str().unwrap());
+            opening.is_some_and(|opening| sides(&scene, opening) == wanted(entry))
+        });
+        let count = count.count();
+        println!("{}: {count} of {}", path.display(), entries.len());
+        assert!(count * 10 >= entries.len() * 9, "{}", path.display());
+        (all, right) = (all + entries.len(), right + count);
+    }
+    assert!(right * 100 >= all * 98, "{right} of {all}");
+}
+
+#[test]
+fn doors_and_windows_join_the_same_rooms_without_tagged_openings() {
+    let (mut all, mut right) = (0, 0);
+    for path in models().unwrap_or_default() {
+        if adjacency(&path).is_none() {
+            continue;
+        }
+        let (tagged, found) = (scene(&load(&path)), scene(&without(&path, "IfcOpeningElement")));
+        let (graph, again) = (tagged.graph(), found.graph());
+        let by_filling: BTreeMap<&str, &OpeningNode> = again
+            .openings
+            .iter()
+            .filter_map(|opening| {
+                Some((found.element(found.element(opening.element).filling()?).id(), opening))
+            })
+            .collect();
+        let (mut count, mut same) = (0, 0);
+        for opening in &graph.openings {
+            let Some(filling) = tagged.element(opening.element).filling() else { continue };
+            count += 1;
+            let other = by_filling.get(tagged.element(filling).id());
+            same += usize::from(other.is_some_and(|other| sides(&tagged, opening) == sides(&found, other)));
+        }
+        println!("{}: {same} of {count}", path.display());
+        assert!(same * 100 >= count * 95, "{}: {same} of {count}", path.display());
+        (all, right) = (all + count, right + same);
+    }
+    assert!(right * 100 >= all * 95, "{right} of {all}");
+}
+
+/// Rooms that walls enclose. Where rooms meet in the air no wall says where the one ends.
+#[test]
+fn enclosed_rooms_are_found_again_without_tags() {
+    let (mut all, mut found) = (0.0, 0.0);
+    for path in models().unwrap_or_default() {
+        if adjacency(&path).is_none() {
+            continue;
+        }
+        let (tagged, bare) = (scene(&load(&path)), scene(&without(&path, "IfcOpeningElement|IfcSpace")));
+        let mut open: BTreeMap<Place, f64> = BTreeMap::new();
+        for passage in tagged.graph().portals.iter().filter(|passage| passage.opening.is_none()) {
+            if let [Place::Room(_), Place::Room(_)] = passage.places {
+                passage.places.iter().for_each(|place| *open.entry(*place).or_default() += passage.area);
+            }
+        }
+        let is_enclosed = |room: u32| open.get(&Place::Room(room)).is_none_or(|area| *area < 0.5);
+        let [of, again, every] = rooms_again(&tagged, &bare, is_enclosed);
+        println!("{}: {again:.1} of {of:.1} m2 enclosed, of {every:.1} in all", path.display());
+        (all, found) = (all + of, found + again);
+    }
+    assert!(found >= 0.9 * all, "{found} of {all}");
+}
+
+/// The floor area of some rooms, how much of it a scene has rooms for that share 90 % with them (what both hold by what either does, in the plan
+/// at 1.2 m over the floors), and the floor area of all rooms.
+fn rooms_again(tagged: &Scene, bare: &Scene, is_meant: impl Fn(u32) -> bool) -> [f64; 3] {
+    let room = |scene: &Scene, point| match scene.locate(point) {
+        Lies::Air { room, .. } => room,
+        _ => None,
+    };
+    let mut heights: Vec<f64> = tagged.rooms().map(|room| room.bounds()[0][2] + 1.2).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup_by(|a, b| (*a - *b).abs() < 0.3);
+    let [lo, hi] = tagged.hull();
+    let (mut both, mut sizes) = (BTreeMap::new(), [BTreeMap::new(), BTreeMap::new()]);
+    for (i, z) in (0..400_000).map(|i| (i as f64 + 0.5, heights[i % heights.len()])) {
+        let [u, v] = [0.754_877_666_246_693 * i % 1.0, 0.569_840_290_998_053 * i % 1.0];
+        let point = [lo[0] + (hi[0] - lo[0]) * u, lo[1] + (hi[1] - lo[1]) * v, z];
+        let rooms = [room(tagged, point), room(bare, point)];
+        for (size, room) in sizes.iter_mut().zip(rooms) {
+            *size.entry(room).or_insert(0) += 1;
+        }
+        if let [Some(one), Some(other)] = rooms {
+            *both.entry((one, other)).or_insert(0) += 1;
+        }
+    }
+    let mut sums = [0.0; 3];
+    for (view, number) in tagged.rooms().zip(0..) {
+        let area = view.floor_area().unwrap_or(0.0);
+        sums[2] += area;
+        if is_meant(number) {
+            sums[0] += area;
+            let again = both.iter().any(|(&(one, other), &count)| {
+                let either = sizes[0][&Some(number)] + sizes[1][&Some(other)] - count;
+                one == number && count * 10 >= either * 9
+            });
+            sums[1] += if again { area } else { 0.0 };
+        }
+    }
+    sums
 }

@@ -39,15 +39,21 @@ fn all_styles() -> Vec<(String, Style)> {
     all
 }
 
-fn buildings() -> Vec<Building> {
-    let mut all = vec![house(&HouseOptions::default()), build1(&OfficeOptions::default())];
-    all.push(tower(&TowerOptions::default()));
-    all.extend((1..=3).map(|seed| {
+/// Buildings in styles: two in all of them, the others as they are and as drawn by hand.
+fn cases() -> Vec<(Building, Vec<(String, Style)>)> {
+    let few = || vec![("exact".to_owned(), Style::exact()), ("cad".to_owned(), Style::cad(2))];
+    let random = |seed| {
         let mut options = OfficeOptions::default();
         options.seed = seed;
         random(&options)
-    }));
-    all
+    };
+    vec![
+        (house(&HouseOptions::default()), all_styles()),
+        (random(1), all_styles()),
+        (random(2), few()),
+        (build1(&OfficeOptions::default()), few()),
+        (tower(&TowerOptions::default()), few()),
+    ]
 }
 
 /// The elements of the model with one of some meanings, and the ids that the truth has for them: both are in the order of the building. Where
@@ -66,9 +72,9 @@ fn named<'t>(
 
 #[test]
 fn openings_join_what_they_join_in_truth() {
-    for building in buildings() {
+    for (building, styles) in cases() {
         let truth = building.truth();
-        for (name, style) in all_styles() {
+        for (name, style) in styles {
             if style.openings_missing > 0.0 || style.rooms_missing > 0.0 {
                 continue;
             }
@@ -117,9 +123,9 @@ fn side<'a>(scene: &'a Scene, rooms: &BTreeMap<u32, &'a str>, exterior: &'a str,
 #[test]
 fn openings_are_found_where_none_are_tagged() {
     let is_filling = |class: &str| matches!(class, "IfcDoor" | "IfcWindow");
-    for building in buildings() {
+    for (building, styles) in cases() {
         let truth = building.truth();
-        for (name, mut style) in all_styles() {
+        for (name, mut style) in styles {
             if style.rooms_missing > 0.0 {
                 continue;
             }
@@ -207,8 +213,8 @@ fn found_again(truth: &Scene, scene: &Scene) -> f64 {
 
 #[test]
 fn rooms_are_found_where_none_are_tagged() {
-    for building in buildings() {
-        for (name, mut style) in all_styles() {
+    for (building, styles) in cases() {
+        for (name, mut style) in styles {
             if style.rooms_missing > 0.0 || style.openings_missing > 0.0 || style.storey_spaces {
                 continue;
             }

@@ -28,8 +28,11 @@ pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveRepo
     };
     let holes = crate::parallel::map(fillings.len(), around);
     let mut found: Vec<(ElementId, Hole)> = Vec::new();
+    let openings = opening_boxes(model);
     for (&filling, hole) in fillings.iter().zip(holes) {
         match hole {
+            // A door that stands open is elsewhere, and its opening is there all the same.
+            Some(hole) if openings.iter().any(|opening| opening.holds(hole.middle())) => {}
             Some(hole) => found.push((filling, hole)),
             None => report.without_hole.push(model.elements[filling.0 as usize].path.clone()),
         }
@@ -54,20 +57,24 @@ pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveRepo
     kept.iter().map(|(filling, hole)| opening(model, *filling, hole, &mut ids)).collect()
 }
 
+fn is_opening(element: &Element) -> bool {
+    matches!(element.semantic, Semantic::Door | Semantic::Window | Semantic::Opening)
+        && !element.mesh.triangles.is_empty()
+}
+
+/// The boxes around a model's openings.
+fn opening_boxes(model: &Model) -> Vec<Bounds> {
+    let openings = model.elements.iter().filter(|element| is_opening(element));
+    openings.map(|e| Bounds::of(e.mesh.positions.iter().map(|&p| p.into())).grown(1e-3)).collect()
+}
+
 /// The doors and windows that no opening is there for.
 fn unopened(model: &Model, roles: &[Role]) -> Vec<ElementId> {
-    let is_opening = |element: &Element| {
-        matches!(element.semantic, Semantic::Door | Semantic::Window | Semantic::Opening)
-            && !element.mesh.triangles.is_empty()
-    };
     let openings: BTreeMap<&str, &Element> =
         model.elements.iter().filter(|e| is_opening(e)).map(|e| (e.id.as_str(), e)).collect();
     let filled: std::collections::BTreeSet<&str> =
         openings.values().filter_map(|opening| opening.filling.as_deref()).collect();
-    let boxes: Vec<Bounds> = openings
-        .values()
-        .map(|e| Bounds::of(e.mesh.positions.iter().map(|&p| p.into())).grown(1e-3))
-        .collect();
+    let boxes = opening_boxes(model);
     let mut unopened = Vec::new();
     for (element, i) in model.elements.iter().zip(0..) {
         let is_filling =
@@ -88,6 +95,10 @@ fn unopened(model: &Model, roles: &[Role]) -> Vec<ElementId> {
 impl Hole {
     fn size(&self) -> [f64; 3] {
         self.range.map(|[lo, hi]| hi - lo)
+    }
+
+    fn middle(&self) -> DVec3 {
+        (0..3).map(|axis| self.axes[axis] * ((self.range[axis][0] + self.range[axis][1]) / 2.0)).sum()
     }
 
     fn volume(&self) -> f64 {
