@@ -1,10 +1,15 @@
 //! The building for other programs: its graph as JSON or DOT, its faces as OBJ, its rooms and cells as glTF.
 
+mod cells;
 mod dot;
 mod json;
+mod obj;
+mod surface;
 
+pub use cells::cells_glb;
 pub use dot::graph_dot;
 pub use json::graph_json;
+pub use obj::faces_obj;
 
 use crate::graph::{Place, Side};
 use crate::scene::Scene;

@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::trace::{NONE, Prisms};
 
 /// What fills each cell; voids that do not touch have numbers of their own, in the order of their first cells.
-pub(super) fn fills(prisms: &Prisms<'_>) -> Vec<Fill> {
+pub(crate) fn fills(prisms: &Prisms<'_>) -> Vec<Fill> {
     let fill = |cell: &CellRecord| match cell.kind {
         CellRecord::AIR => air(cell),
         CellRecord::SOLID => Fill::Solid,

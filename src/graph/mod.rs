@@ -10,9 +10,13 @@ mod measure;
 mod sides;
 
 #[cfg(feature = "compile")]
-pub(crate) use measure::{area, clipped};
+pub(crate) use contacts::fills;
 #[cfg(feature = "render")]
-pub(crate) use measure::{cut, footprint};
+pub(crate) use measure::cut;
+#[cfg(any(feature = "compile", feature = "render"))]
+pub(crate) use measure::footprint;
+#[cfg(feature = "compile")]
+pub(crate) use measure::{area, clipped};
 
 use std::collections::BTreeMap;
 
@@ -123,6 +127,19 @@ pub(crate) enum Fill {
     Opening(u32),
     Solid,
     Around,
+}
+
+#[cfg(feature = "compile")]
+impl Fill {
+    pub(crate) fn is_air(self) -> bool {
+        matches!(self, Fill::Place(_) | Fill::Opening(_))
+    }
+}
+
+/// The place that something is; `None` for openings and matter.
+#[cfg(feature = "compile")]
+pub(crate) fn place_of(fill: Fill) -> Option<Place> {
+    if let Fill::Place(place) = fill { Some(place) } else { None }
 }
 
 impl Scene {

@@ -287,7 +287,7 @@ fn frame(
     text([left, hi[1] + 0.5 * letter], letter, INK, format!("{title}, cut at {up} = {level:.2}"));
     // The scale bar: a fifth of the sheet, in whole steps of 1, 2, 5, 10...
     let steps = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
-    let step = steps.into_iter().filter(|step| *step <= width / 5.0).next_back().unwrap_or(steps[0]);
+    let step = steps.into_iter().rfind(|step| *step <= width / 5.0).unwrap_or(steps[0]);
     let y = lo[1] - 0.6 * letter;
     text(
         [left + 2.0 * step + 0.4 * letter, y - 0.1 * letter],
