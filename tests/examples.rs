@@ -20,6 +20,9 @@ mod render;
 #[allow(dead_code)]
 #[path = "../examples/rules.rs"]
 mod rules;
+#[allow(dead_code)]
+#[path = "../examples/ways.rs"]
+mod ways;
 
 const HOUSE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/house.glb");
 
@@ -144,6 +147,25 @@ fn render_writes_pictures_of_either_kind() {
     };
     assert!(fails(&[HOUSE]).starts_with("usage: "));
     assert!(fails(&[HOUSE, "a.png", "--colour", "depth"]).starts_with("usage: "));
+}
+
+#[test]
+fn ways_go_through_doors_and_daylight_through_windows() {
+    let said_of = |arguments: &[&str]| said(|out| ways::run(words(arguments.iter().copied()), out));
+    let text = said_of(&[HOUSE, "Bedroom", "Kitchen"]);
+    let way = text.lines().next().unwrap();
+    assert!(
+        way.starts_with("Bedroom > ") && way.contains(" > Hall > ") && way.contains(" > Kitchen ("),
+        "{way}"
+    );
+    let lit: Vec<String> =
+        said_of(&[HOUSE]).lines().filter_map(|line| line.split(':').next()).map(str::to_owned).collect();
+    assert_eq!(lit, ["Living room", "Kitchen", "Hall", "WC", "Bath", "Children's room", "Study", "Bedroom"]);
+    let fails = |arguments: &[&str]| {
+        ways::run(words(arguments.iter().copied()), &mut Vec::new()).unwrap_err().to_string()
+    };
+    assert!(fails(&[HOUSE, "Kitchen"]).starts_with("usage: "));
+    assert!(fails(&[HOUSE, "Bedroom", "Cellar"]).contains("Cellar"));
 }
 
 #[test]

@@ -78,6 +78,16 @@ fn write_text(out: &mut String, timed: &Timed<'_>, path: &str) -> std::fmt::Resu
     for row in &r.triangles_out {
         writeln!(out, "  {:>10} {}", row.count, row.what)?;
     }
+    let d = &r.derived;
+    if d.openings + d.rooms > 0 {
+        writeln!(out, "found: {} openings ({} of them unfilled), {} rooms", d.openings, d.unfilled, d.rooms)?;
+    }
+    for path in &d.without_hole {
+        writeln!(out, "in no hole of anything solid: {path}")?;
+    }
+    if let Some(why) = &d.failed {
+        writeln!(out, "rooms could not be looked for: {why}")?;
+    }
     if let Some(partition) = &r.partition {
         space::write(out, partition)?;
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use clap::{Args, ValueEnum};
+use enfilade::derive::DeriveOptions;
 use enfilade::importers::tagging::Rules;
 use enfilade::importers::{ImportOptions, Limits, Model, Untagged, UpAxis, Watch, import};
 use enfilade::partition::PartitionOptions;
@@ -49,6 +50,15 @@ pub struct Reading {
     /// Tolerance of answers, metres.
     #[arg(long, value_name = "METRES", default_value_t = 1e-3)]
     pub tolerance: f64,
+    /// What to find in the building where the model does not say it (docs/GRAPH.md): all; openings of doors and windows only; or nothing.
+    #[arg(long, value_enum, value_name = "WHAT", default_value = "all")]
+    pub derive: DeriveWhat,
+    /// Rooms are told apart at holes in walls up to so wide, where no tag names any room; metres.
+    #[arg(long, value_name = "METRES", default_value_t = 3.0, value_parser = parse_length)]
+    pub widest_hole: f64,
+    /// What is found as a room has at least this floor area, square metres.
+    #[arg(long, value_name = "M2", default_value_t = 0.7, value_parser = parse_length)]
+    pub least_room: f64,
     /// Leave the space one cell, instead of cutting it into convex cells (docs/PARTITION.md): as right, smaller.
     #[arg(long)]
     pub no_cells: bool,
@@ -71,6 +81,20 @@ pub enum UntaggedAs {
     Solid,
     Detail,
     Error,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum DeriveWhat {
+    All,
+    Openings,
+    Nothing,
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length.is_finite() && length >= 0.0 => Ok(length),
+        _ => Err("not a number from 0 up".to_owned()),
+    }
 }
 
 impl UntaggedAs {
@@ -227,9 +251,19 @@ impl Reading {
         let mut options = CompileOptions::default();
         options.tolerance = self.tolerance;
         options.cells = !self.no_cells;
+        options.derive = self.derive_options();
         options.untagged = self.untagged.untagged();
         options.limits = resources.limits();
         options.watch = resources.watch();
+        options
+    }
+
+    pub fn derive_options(&self) -> DeriveOptions {
+        let mut options = DeriveOptions::NOTHING;
+        options.openings = !matches!(self.derive, DeriveWhat::Nothing);
+        options.rooms = matches!(self.derive, DeriveWhat::All);
+        options.widest_hole = self.widest_hole;
+        options.least_area = self.least_room;
         options
     }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use enfilade::Scene;
 use enfilade::building::Building;
+use enfilade::derive::complete;
 use enfilade::importers::Frame;
 use enfilade::partition::partition;
 use enfilade::validate::{Code, Report, examine};
@@ -97,11 +98,14 @@ fn building(arguments: &Arguments) -> Result<(String, Building, Frame), Failure>
         return Ok((source, building, scene.frame()));
     }
     let model = arguments.reading.model(path, &arguments.resources)?;
-    let failed = |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", model.source));
+    let source = model.source.clone();
+    let failed = |error: &dyn std::fmt::Display| Failure::input(format!("{source}: {error}"));
     let options = arguments.reading.partition_options(&arguments.resources);
+    let (model, _) =
+        complete(&model, &arguments.reading.derive_options(), &options).map_err(|error| failed(&error))?;
     let (cells, _) = partition(&model, &options).map_err(|error| failed(&error))?;
     let building = Building::new(&model, &cells).map_err(|error| failed(&error))?;
-    Ok((model.source.clone(), building, model.frame))
+    Ok((source.clone(), building, model.frame))
 }
 
 fn text(building: &Building, report: &Report) -> String {

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::geometry::Gathered;
 use super::{CompileOptions, Counted};
-use crate::derive::DeriveReport;
+use crate::derive::{DeriveOptions, DeriveReport};
 use crate::format::Tables;
 use crate::format::records::Traits;
 use crate::partition::PartitionReport;
@@ -138,6 +138,18 @@ impl Report {
     }
 }
 
+/// Options as words.
+fn describe(derive: &DeriveOptions) -> String {
+    match (derive.openings, derive.rooms) {
+        (false, false) => "nothing".to_owned(),
+        (true, false) => "openings".to_owned(),
+        (openings, true) => {
+            let what = if openings { "all" } else { "rooms" };
+            format!("{what}, holes up to {} m, rooms from {} m2", derive.widest_hole, derive.least_area)
+        }
+    }
+}
+
 pub(super) fn make(
     model: &Model,
     options: &CompileOptions,
@@ -188,6 +200,7 @@ pub(super) fn make(
             ("tolerance", format!("{}", options.tolerance)),
             ("topology", options.topology.to_string()),
             ("untagged", untagged),
+            ("derive", describe(&options.derive)),
         ]),
         unit: scene.unit,
         offset: scene.offset,

@@ -117,7 +117,8 @@ mod tests {
     fn a_door_shows_its_largest_face_first_and_is_crossed_from_end_to_end() {
         let door = cuboid(DVec3::new(1.0, 2.0, 0.0), DVec3::new(1.9, 2.2, 2.0));
         let directions = directions(&door);
-        assert_eq!(directions.len(), 3);
+        // Its threshold and lintel are too small to count.
+        assert_eq!(directions.len(), 2);
         assert!(directions[0].y.abs() > 0.999, "{directions:?}");
         let lines = lines(&door, DVec3::Y);
         assert_eq!(lines.len(), 49);
