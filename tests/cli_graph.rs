@@ -190,6 +190,17 @@ fn what_is_missing_is_found_and_said_to_be_derived() {
     assert_eq!(of(&whole), of(&rooms));
     assert!(rooms["rooms"].as_array().unwrap().iter().all(|room| room["derived"] == true));
     assert!(rooms["rooms"][0]["name"].as_str().unwrap().ends_with(" 1"));
+    // The truth of rays is the model's own.
+    for name in ["openings-missing.glb", "rooms-missing.glb"] {
+        folder.run(&["compile", &fixture_arg(name), "-o", "a.enf", "-q"]).expect(0);
+        folder.run(&["verify", "a.enf", "--model", &fixture_arg(name), "--rays", "20000", "-q"]).expect(0);
+    }
+    // And what nobody asks for is not there.
+    folder
+        .run(&["compile", &fixture_arg("rooms-missing.glb"), "-o", "a.enf", "--derive", "nothing", "-q"])
+        .expect(0);
+    let bare = folder.run(&["export", "a.enf", "--graph", "-"]).expect(0).json();
+    assert_eq!(bare["rooms"], Value::Array(Vec::new()));
 }
 
 #[test]
