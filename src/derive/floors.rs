@@ -28,7 +28,7 @@ struct Sign {
 /// The levels of floors, ascending, and the top of what is solid. Metres, internal frame.
 pub(super) fn floors(model: &Model, roles: &[Role]) -> Vec<f64> {
     let mut signs: Vec<Sign> = Vec::new();
-    let mut top = f64::NEG_INFINITY;
+    let (mut bottom, mut top) = (f64::INFINITY, f64::NEG_INFINITY);
     for (element, role) in model.elements.iter().zip(roles) {
         let bounds = Bounds::of(element.mesh.positions.iter().map(|&p| p.into()));
         if bounds.is_empty() {
@@ -37,6 +37,7 @@ pub(super) fn floors(model: &Model, roles: &[Role]) -> Vec<f64> {
         let size = bounds.hi - bounds.lo;
         if *role == Role::Solid {
             top = top.max(bounds.hi.z);
+            bottom = bottom.min(bounds.lo.z);
         }
         let sign = match element.semantic {
             Semantic::Wall | Semantic::Unknown if *role == Role::Solid && size.z >= PARAPET => {
@@ -51,10 +52,8 @@ pub(super) fn floors(model: &Model, roles: &[Role]) -> Vec<f64> {
         };
         signs.push(sign);
     }
-    signs.sort_by(|a, b| a.z.total_cmp(&b.z));
-    let strength = |z: f64| -> f64 {
-        signs.iter().filter(|sign| (sign.z - z).abs() <= ALIKE).map(|sign| sign.weight).sum()
-    };
+    let signs = merged(signs);
+    let strength = |z: f64| within(&signs, z, ALIKE).iter().map(|sign| sign.weight).sum::<f64>();
     let mut ranked: Vec<(f64, f64)> = signs.iter().map(|sign| (strength(sign.z), sign.z)).collect();
     ranked.dedup();
     // The strongest first; of equals the lower.
@@ -62,7 +61,11 @@ pub(super) fn floors(model: &Model, roles: &[Role]) -> Vec<f64> {
     let least = ranked.first().map_or(0.0, |first| SHARE * first.0);
     let mut floors: Vec<f64> = Vec::new();
     for (weight, z) in ranked {
-        if weight >= least && floors.iter().all(|floor| (floor - z).abs() >= LOWEST) && top - z >= LOWEST {
+        if weight >= least
+            && z >= bottom
+            && floors.iter().all(|floor| (floor - z).abs() >= LOWEST)
+            && top - z >= LOWEST
+        {
             floors.push(z);
         }
     }
@@ -76,13 +79,31 @@ pub(super) fn floors(model: &Model, roles: &[Role]) -> Vec<f64> {
     floors
 }
 
+/// Signs in the order of their heights, those of one height as one, to the tenth of a millimetre.
+fn merged(mut signs: Vec<Sign>) -> Vec<Sign> {
+    signs.sort_by(|a, b| a.z.total_cmp(&b.z));
+    let mut merged: Vec<Sign> = Vec::new();
+    for sign in signs {
+        match merged.last_mut() {
+            Some(last) if sign.z - last.z < 1e-4 => last.weight += sign.weight,
+            _ => merged.push(sign),
+        }
+    }
+    merged
+}
+
+/// The signs no farther from a height than `reach`.
+fn within(signs: &[Sign], z: f64, reach: f64) -> &[Sign] {
+    let first = signs.partition_point(|sign| sign.z < z - reach);
+    let end = signs.partition_point(|sign| sign.z <= z + reach);
+    &signs[first..end]
+}
+
 /// The height near a floor that most speaks for.
 fn commonest(signs: &[Sign], floor: f64) -> f64 {
-    let near = signs.iter().filter(|sign| (sign.z - floor).abs() <= ALIKE);
-    let exactly = |z: f64| -> f64 { signs.iter().filter(|s| (s.z - z).abs() < 2e-3).map(|s| s.weight).sum() };
-    let best = near
-        .map(|sign| (exactly(sign.z), sign.z))
-        .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    let exactly = |z: f64| within(signs, z, 2e-3).iter().map(|sign| sign.weight).sum::<f64>();
+    let near = within(signs, floor, ALIKE).iter().map(|sign| (exactly(sign.z), sign.z));
+    let best = near.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
     best.map_or(floor, |best| best.1)
 }
 

@@ -58,6 +58,23 @@ impl<'m> Solids<'m> {
         Solids { model, boxes: boxes.filter(|(_, bounds)| !bounds.is_empty()).collect() }
     }
 
+    /// The triangles of all solids that are straight above a place.
+    pub(super) fn above(&self, place: DVec3) -> Near {
+        let column = Bounds { lo: place, hi: DVec3::new(place.x, place.y, f64::INFINITY) };
+        let mut facets = Vec::new();
+        for (element, _) in self.boxes.iter().filter(|(_, own)| own.meets(&column)) {
+            let mesh = &self.model.elements[element.0 as usize].mesh;
+            for triangle in 0..mesh.triangles.len() {
+                let corners = mesh.corners(triangle).map(DVec3::from);
+                let bounds = Bounds::of(corners);
+                if bounds.meets(&column) {
+                    facets.push(Facet { corners, element: *element, lo: bounds.lo, hi: bounds.hi });
+                }
+            }
+        }
+        Near { facets }
+    }
+
     /// The triangles of all solids that come near a box.
     pub(super) fn near(&self, bounds: &Bounds) -> Near {
         let mut facets = Vec::new();

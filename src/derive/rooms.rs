@@ -10,7 +10,7 @@ use enfilade_importers::{ElementId, MaterialId, Mesh, Model, Role, Semantic};
 use glam::{DVec2, DVec3};
 
 use super::DeriveOptions;
-use super::matter::{Bounds, Solids};
+use super::matter::Solids;
 use super::passage::{Ground, Union, is_wide};
 use crate::graph::{area, clipped};
 use crate::lattice::{FINE, Plane, Point, double_area};
@@ -303,7 +303,7 @@ impl<'a> Finder<'a> {
 
     /// Gives patches that are too narrow to be rooms, and hang together with others by slits alone, to the one with which they share most.
     fn join_narrow(&mut self) {
-        // The largest first, so that what hangs on a narrow patch follows it.
+        // Round by round: what hangs on a narrow patch follows it.
         loop {
             let mut into: BTreeMap<u32, u32> = BTreeMap::new();
             for (patch, number) in self.patches.iter().zip(0u32..) {
@@ -329,6 +329,7 @@ impl<'a> Finder<'a> {
                 }
             }
             if into.is_empty() {
+                self.patches.iter_mut().for_each(|patch| patch.triangles.sort_unstable());
                 return;
             }
             for (from, to) in into {
@@ -343,13 +344,15 @@ impl<'a> Finder<'a> {
                         None => break,
                     }
                 }
-                for &t in &triangles {
-                    self.patch_of[storey][t as usize] = to;
+                // Around a circle it has come back to itself.
+                if to != from {
+                    for &t in &triangles {
+                        self.patch_of[storey][t as usize] = to;
+                    }
+                    self.patches[from as usize].joined = Some(to);
                 }
-                self.patches[from as usize].joined = Some(to);
                 let patch = &mut self.patches[to as usize];
                 patch.triangles.extend(triangles);
-                patch.triangles.sort_unstable();
                 patch.area += area;
             }
         }
@@ -607,7 +610,8 @@ impl Finder<'_> {
             sum = [sum[0] + area * x, sum[1] + area * y];
             weight += area;
         }
-        let [x, y] = sum.map(|c| self.metres(c / f64::max(weight, 1e-12)));
+        let [x, y] = sum.map(|c| c / f64::max(weight, 1e-12));
+        let [x, y, _] = self.storeys.lattice.metres([x, y, 0.0]);
         [-(y.round() as i64), (x * 1000.0).round() as i64]
     }
 
@@ -649,8 +653,7 @@ impl Finder<'_> {
                 let [x, y] = middle(storey.corners(t));
                 let [low, high] = self.spots[patch.storey][t as usize].range;
                 let start = DVec3::from(lattice.metres([x, y, (low + high) / 2.0]));
-                let column = Bounds { lo: start, hi: start + DVec3::Z * 1e6 };
-                if solids.near(&column).first(start, DVec3::Z).is_some() {
+                if solids.above(start).first(start, DVec3::Z).is_some() {
                     covered += area;
                 }
             }

@@ -38,6 +38,7 @@ pub fn cells_glb(scene: &Scene, explode: f64) -> Vec<u8> {
         let moved = (own - all) * explode;
         let children: Vec<usize> = cells
             .iter()
+            .filter(|cell| !meshes[cell].triangles.is_empty())
             .map(|cell| {
                 let volume = &meshes[cell];
                 let mesh = file.mesh(volume, all, material);
@@ -54,7 +55,12 @@ pub fn cells_glb(scene: &Scene, explode: f64) -> Vec<u8> {
         );
     }
     let offset = DVec3::from(scene.frame().offset);
-    let root = file.node(json!({ "name": "cells", "translation": up(all + offset), "children": roots }));
+    let mut root = json!({ "name": "cells", "translation": up(all + offset) });
+    // Empty lists are not allowed.
+    if !roots.is_empty() {
+        root["children"] = roots.into();
+    }
+    let root = file.node(root);
     file.finish(root)
 }
 

@@ -1,6 +1,6 @@
 //! What touches what: the portals between cells of air, and the faces between air and matter, added up.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::{Fill, Passage, Place, air, measure};
 use crate::format::FaceKind;
@@ -110,8 +110,9 @@ impl Contacts {
                 }
                 Fill::Opening(element) => {
                     let direct = self.places(*fill);
+                    let led_to = self.led_to(*fill);
                     for (one, own) in &direct {
-                        for (other, area) in self.led_to(*fill) {
+                        for (&other, &area) in &led_to {
                             // Each pair once: two that both touch the opening come in both orders.
                             if *one == other || (direct.contains_key(&other) && other < *one) {
                                 continue;
@@ -141,18 +142,22 @@ impl Contacts {
     /// The places that an opening leads to, through others that it touches, too: with the least area on the widest way.
     fn led_to(&self, opening: Fill) -> BTreeMap<Place, f64> {
         let mut places = self.places(opening);
-        let mut seen = BTreeSet::from([opening]);
-        let mut waiting = vec![(opening, f64::INFINITY)];
-        while let Some((here, least)) = waiting.pop() {
+        let mut widest = BTreeMap::from([(opening, f64::INFINITY)]);
+        let mut waiting = vec![opening];
+        while let Some(here) = waiting.pop() {
+            let least = widest[&here];
             for (&next, &area) in self.air.get(&here).into_iter().flatten() {
-                if matches!(next, Fill::Opening(_)) && seen.insert(next) {
-                    let least = least.min(area);
-                    for (place, area) in self.places(next) {
-                        let most = places.entry(place).or_default();
-                        *most = most.max(area.min(least));
-                    }
-                    waiting.push((next, least));
+                let least = least.min(area);
+                if matches!(next, Fill::Opening(_)) && widest.get(&next).is_none_or(|known| least > *known) {
+                    widest.insert(next, least);
+                    waiting.push(next);
                 }
+            }
+        }
+        for (&next, &least) in widest.iter().filter(|(next, _)| **next != opening) {
+            for (place, area) in self.places(next) {
+                let most = places.entry(place).or_default();
+                *most = most.max(area.min(least));
             }
         }
         places

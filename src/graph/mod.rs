@@ -251,7 +251,7 @@ fn is_opening(semantic: Semantic) -> bool {
 /// What a cell of air is; voids are not told from each other.
 fn air(cell: &CellRecord) -> Fill {
     match Semantic::from_number(cell.semantic).unwrap_or_default() {
-        semantic if is_opening(semantic) => Fill::Opening(cell.element),
+        semantic if is_opening(semantic) && cell.element != NONE => Fill::Opening(cell.element),
         Semantic::Exterior => Fill::Place(Place::Exterior),
         _ if cell.room != NONE => Fill::Place(Place::Room(cell.room)),
         _ => Fill::Place(Place::Void(0)),
