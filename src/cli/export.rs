@@ -1,6 +1,6 @@
 //! `enfilade export`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use enfilade::building::FaceKind;
@@ -63,6 +63,21 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let outputs: Vec<&Path> = [&arguments.graph, &arguments.obj, &arguments.cells]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    if (1..outputs.len()).any(|i| outputs[..i].contains(&outputs[i])) {
+        return Err(Failure::usage(format!("{}: several outputs cannot be one", outputs[0].display())));
+    }
+    if arguments
+        .obj
+        .as_ref()
+        .is_some_and(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mtl")))
+    {
+        return Err(Failure::usage("--obj: the colours beside it take the name with .mtl".to_owned()));
+    }
     arguments.resources.in_pool(|| {
         let scene = arguments.reading.scene(&arguments.input, &arguments.resources)?;
         if let Some(path) = &arguments.graph {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use enfilade::Scene;
-use enfilade::plan::{Drawing, Mark, PlanOptions, PlanStorey, floor_plan, plan_png, plan_storeys, plan_svg};
+use enfilade::plan::{Mark, PlanOptions, PlanStorey, floor_plan, plan_png, plan_storeys, plan_svg};
 use enfilade::render::numbered;
 use enfilade::validate::examine;
 
@@ -67,25 +67,23 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Some("svg") => false,
         _ => return Err(Failure::usage(format!("{}: a plan is .svg or .png", arguments.output.display()))),
     };
-    let drawings = arguments.resources.in_pool(|| {
+    arguments.resources.in_pool(|| {
         let scene = arguments.reading.scene_with_map(&arguments.input, &arguments.resources)?;
         let options = options(arguments, &scene);
         let storeys = chosen(arguments, plan_storeys(&scene))?;
-        let draw = |storey: &PlanStorey| -> Result<Vec<u8>, Failure> {
-            let drawing: Drawing = floor_plan(&scene, storey, &options);
-            if !is_png {
-                return Ok(plan_svg(&drawing).into_bytes());
-            }
-            plan_png(&drawing, arguments.size).map_err(|e| Failure::usage(e.to_string()))
-        };
-        use rayon::prelude::*;
-        storeys.par_iter().map(draw).collect::<Result<Vec<_>, Failure>>()
-    })??;
-    for (index, bytes) in drawings.iter().enumerate() {
-        let path = numbered(&arguments.output, index, drawings.len());
-        output::write(Some(&path), |out| out.write_all(bytes))?;
-    }
-    Ok(Outcome::Fine)
+        // One after the other: a picture may take a gigabyte.
+        for (index, storey) in storeys.iter().enumerate() {
+            let drawing = floor_plan(&scene, storey, &options);
+            let bytes = if is_png {
+                plan_png(&drawing, arguments.size).map_err(|e| Failure::usage(e.to_string()))?
+            } else {
+                plan_svg(&drawing).into_bytes()
+            };
+            let path = numbered(&arguments.output, index, storeys.len());
+            output::write(Some(&path), |out| out.write_all(&bytes))?;
+        }
+        Ok(Outcome::Fine)
+    })?
 }
 
 /// How to draw, with the findings of the building, if the scene has its map.

@@ -61,29 +61,24 @@ impl<'m> Solids<'m> {
     /// The triangles of all solids that are straight above a place.
     pub(super) fn above(&self, place: DVec3) -> Near {
         let column = Bounds { lo: place, hi: DVec3::new(place.x, place.y, f64::INFINITY) };
-        let mut facets = Vec::new();
-        for (element, _) in self.boxes.iter().filter(|(_, own)| own.meets(&column)) {
-            let mesh = &self.model.elements[element.0 as usize].mesh;
-            for triangle in 0..mesh.triangles.len() {
-                let corners = mesh.corners(triangle).map(DVec3::from);
-                let bounds = Bounds::of(corners);
-                if bounds.meets(&column) {
-                    facets.push(Facet { corners, element: *element, lo: bounds.lo, hi: bounds.hi });
-                }
-            }
-        }
-        Near { facets }
+        self.gather(&column, |facet| facet.meets(&column))
     }
 
-    /// The triangles of all solids that come near a box.
+    /// All triangles of the solids that come near a box: lines through it may meet the far side of one.
     pub(super) fn near(&self, bounds: &Bounds) -> Near {
+        self.gather(bounds, |_| true)
+    }
+
+    fn gather(&self, bounds: &Bounds, is_wanted: impl Fn(&Bounds) -> bool) -> Near {
         let mut facets = Vec::new();
         for (element, _) in self.boxes.iter().filter(|(_, own)| own.meets(bounds)) {
             let mesh = &self.model.elements[element.0 as usize].mesh;
             for triangle in 0..mesh.triangles.len() {
                 let corners = mesh.corners(triangle).map(DVec3::from);
-                let Bounds { lo, hi } = Bounds::of(corners);
-                facets.push(Facet { corners, element: *element, lo, hi });
+                let own = Bounds::of(corners);
+                if is_wanted(&own) {
+                    facets.push(Facet { corners, element: *element, lo: own.lo, hi: own.hi });
+                }
             }
         }
         Near { facets }

@@ -98,7 +98,8 @@ pub fn complete<'m>(
                 return Ok((model, report));
             }
         };
-        let names = floors::names(&model, &floors);
+        // As they were cut: what lies beyond all that carves is no level.
+        let names = floors::names(&model, &storeys.levels());
         let found = rooms::find(&model, &roles, &storeys, options);
         let mut ids = Ids::of(&model);
         let mut elements = Vec::new();

@@ -293,12 +293,11 @@ impl<'a> Finder<'a> {
             // What leads nowhere is of itself.
             longest.map_or(3 * t, |longest| longest.1)
         };
-        (0..count as u32)
-            .map(of)
-            .collect::<Vec<u32>>()
-            .into_iter()
-            .map(|i| if i == NONE { NONE } else { union.find(i) })
-            .collect()
+        let mut united: Vec<u32> = (0..count as u32).map(of).collect();
+        for i in united.iter_mut().filter(|i| **i != NONE) {
+            *i = union.find(*i);
+        }
+        united
     }
 
     /// Gives patches that are too narrow to be rooms, and hang together with others by slits alone, to the one with which they share most.
@@ -549,9 +548,8 @@ pub(super) fn find(model: &Model, roles: &[Role], storeys: &Storeys, options: &D
     finder.gather();
     finder.join_narrow();
     finder.tell_courts(model, roles);
-    let numbers = (0..finder.patches.len() as u32).collect::<Vec<u32>>().into_iter();
     let is_room = |number: &u32| finder.is_room(&finder.patches[*number as usize], options.least_area);
-    let rooms: BTreeSet<u32> = numbers.filter(is_room).collect();
+    let rooms: BTreeSet<u32> = (0..finder.patches.len() as u32).filter(is_room).collect();
     let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut union = finder.one_above_the_other(&rooms);
     for &room in &rooms {

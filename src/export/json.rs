@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{place_id, side_id};
-use crate::graph::{Graph, OpeningNode, Passage, RoomNode, VoidNode};
+use crate::graph::{Graph, OpeningNode, Passage, Place, RoomNode, VoidNode};
 use crate::scene::Scene;
 
 #[derive(Serialize)]
@@ -103,10 +103,16 @@ fn known(text: &str) -> Option<&str> {
 /// The graph of a scene as JSON, a line each room, opening, portal, face and void. Bounds of voids are in the source's own frame and unit.
 pub fn graph_json(scene: &Scene, graph: &Graph) -> String {
     let frame = scene.frame();
-    let portal = |passage: &Passage| Portal {
-        rooms: passage.places.map(|place| place_id(scene, place)),
-        area_m2: rounded(passage.area),
-        opening: passage.opening.map(|opening| scene.element(opening).id()),
+    // Voids have one name: what leads to several is one portal.
+    let mut portals: BTreeMap<([Place; 2], Option<u32>), f64> = BTreeMap::new();
+    for &Passage { places, opening, area } in &graph.portals {
+        let named = places.map(|place| if let Place::Void(_) = place { Place::Void(0) } else { place });
+        *portals.entry((named, opening)).or_default() += area;
+    }
+    let portal = |((places, opening), area): (([Place; 2], Option<u32>), f64)| Portal {
+        rooms: places.map(|place| place_id(scene, place)),
+        area_m2: rounded(area),
+        opening: opening.map(|opening| scene.element(opening).id()),
     };
     let mut faces: BTreeMap<(&str, &str, Option<&str>), f64> = BTreeMap::new();
     for (&(place, kind, element), area) in &graph.faces {
@@ -122,7 +128,7 @@ pub fn graph_json(scene: &Scene, graph: &Graph) -> String {
     let lists = [
         ("rooms", lines(graph.rooms.iter().map(|node| Room::new(scene, node)))),
         ("openings", lines(graph.openings.iter().map(|node| Opening::new(scene, node)))),
-        ("portals", lines(graph.portals.iter().map(portal))),
+        ("portals", lines(portals.into_iter().map(portal))),
         ("faces", lines(faces.into_iter().map(face))),
         ("voids", lines(voids)),
     ];

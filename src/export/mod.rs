@@ -4,7 +4,6 @@ mod cells;
 mod dot;
 mod json;
 mod obj;
-mod surface;
 
 pub use cells::cells_glb;
 pub use dot::graph_dot;

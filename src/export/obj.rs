@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::place_id;
-use super::surface::parts;
 use crate::format::FaceKind;
-use crate::graph::{Place, fills, place_of};
+use crate::graph::{Place, fills, parts, place_of};
 use crate::scene::Scene;
 use crate::trace::Prisms;
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Fill, Passage, Place, air, measure};
+use super::surface::parts;
+use super::{Fill, Passage, Place, air};
 use crate::format::FaceKind;
 use crate::format::records::CellRecord;
 use crate::scene::Scene;
@@ -68,27 +69,8 @@ impl Contacts {
                     _ => {}
                 }
             };
-            let own = measure::footprint(prisms, cell);
-            for (i, side) in prisms.sides_of(cell).iter().enumerate() {
-                let (a, b) = (own[i], own[(i + 1) % own.len()]);
-                let heights = |plane: u32| [a, b].map(|p| prisms.height(plane, p));
-                let (floor, ceiling) = (heights(cell.floor), heights(cell.ceiling));
-                let mut below = floor;
-                for face in prisms.faces_of(side) {
-                    let top = if face.top == NONE { ceiling } else { heights(face.top) };
-                    let top = [0, 1].map(|end| {
-                        top[end].clamp(below[end].min(ceiling[end]), ceiling[end].max(below[end]))
-                    });
-                    let height = [0, 1].map(|end| (top[end] - below[end]).max(0.0));
-                    add(face.cell, face.source, face.kind, (height[0] + height[1]) / 2.0 * a.distance(b));
-                    below = top;
-                }
-            }
-            let (below, above) = prisms.covers_of(cell);
-            for (covers, plane) in [(below, cell.floor), (above, cell.ceiling)] {
-                for (cover, area) in covers.iter().zip(measure::covered(prisms, cell, covers)) {
-                    add(cover.cell, cover.source, cover.kind, area * prisms.slant(plane));
-                }
+            for part in parts(prisms, cell) {
+                add(part.beyond, part.source, part.kind, part.area());
             }
         }
         contacts

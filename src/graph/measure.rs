@@ -45,16 +45,15 @@ pub(super) fn corners(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<DVec3> {
     corners.flat_map(both).collect()
 }
 
-/// For each cell that covers a prism's floor, or its ceiling: how much of it, as an area in the plan.
-pub(super) fn covered(prisms: &Prisms<'_>, cell: &CellRecord, covers: &[CoverRecord]) -> Vec<f64> {
-    let own = footprint(prisms, cell);
+/// For each cell that covers a prism's floor, or its ceiling: how much of its footprint.
+pub(super) fn covered(prisms: &Prisms<'_>, own: &[DVec2], covers: &[CoverRecord]) -> Vec<Vec<DVec2>> {
     let share = |cover: &CoverRecord| {
         let other = &prisms.cells[cover.cell as usize];
         // A single one covers all, or stands for several of one meaning that together do.
         if covers.len() == 1 || other.kind == CellRecord::AROUND {
-            return area(&own).max(0.0);
+            return own.to_vec();
         }
-        area(&clipped(own.clone(), &footprint(prisms, other))).max(0.0)
+        clipped(own.to_vec(), &footprint(prisms, other))
     };
     covers.iter().map(share).collect()
 }

@@ -8,6 +8,7 @@ mod ends;
 mod line;
 mod measure;
 mod sides;
+mod surface;
 
 #[cfg(feature = "compile")]
 pub(crate) use contacts::fills;
@@ -17,6 +18,8 @@ pub(crate) use measure::cut;
 pub(crate) use measure::footprint;
 #[cfg(feature = "compile")]
 pub(crate) use measure::{area, clipped};
+#[cfg(feature = "compile")]
+pub(crate) use surface::parts;
 
 use std::collections::BTreeMap;
 
@@ -208,7 +211,8 @@ impl Graph {
                     room.cells.push(cell);
                     room.volume += volume;
                     let below = prisms.covers_of(record).0;
-                    let areas = measure::covered(prisms, record, below);
+                    let parts = measure::covered(prisms, &measure::footprint(prisms, record), below);
+                    let areas = parts.iter().map(|part| measure::area(part).max(0.0));
                     let is_floor = |cover: u32| {
                         !matches!(fills[cover as usize], Fill::Place(Place::Room(_)) | Fill::Opening(_))
                     };

@@ -127,7 +127,12 @@ impl Prober<'_> {
             reached = reached.min(share);
             sides[end] = commonest(&found);
             let point = |line: &Through| if end == 1 { line.leaves } else { line.enters };
-            middles[end] = lines.iter().map(point).sum::<DVec3>() / lines.len().max(1) as f64;
+            let points: Vec<DVec3> = match lines.as_slice() {
+                // A flat mesh, seen from its edge.
+                [] => own.iter().flatten().copied().collect(),
+                lines => lines.iter().map(point).collect(),
+            };
+            middles[end] = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         }
         (reached, Leads { direction, sides, ends: middles })
     }

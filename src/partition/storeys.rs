@@ -47,6 +47,15 @@ pub(crate) struct Storeys {
     pub(crate) storeys: Vec<Storey>,
 }
 
+impl Storeys {
+    /// The levels between which the storeys lie, metres, internal frame, ascending.
+    pub(crate) fn levels(&self) -> Vec<f64> {
+        let lows = self.storeys.iter().map(|storey| storey.levels[0]);
+        let levels = lows.chain(self.storeys.last().map(|storey| storey.levels[1]));
+        levels.map(|z| self.lattice.height(f64::from(z))).collect()
+    }
+}
+
 impl Storey {
     pub(crate) fn stack(&self, triangle: u32) -> &[Layer] {
         &self.layers[self.starts[triangle as usize] as usize..self.starts[triangle as usize + 1] as usize]

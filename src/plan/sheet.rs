@@ -17,7 +17,7 @@ use crate::trace::{NONE, Prisms};
 pub struct PlanOptions {
     /// How high above the storey's floor the plane is, metres. Default: 1.2.
     pub height: f64,
-    /// Whether to draw the borders of cells: portals dashed by nobody, thin and blue. Default: no.
+    /// Whether to draw the portals between cells, thin and blue. Default: no.
     pub cells: bool,
     /// Whether to draw furniture, door leaves and what else is detail. Default: yes.
     pub detail: bool,

@@ -158,12 +158,6 @@ impl<'a> Prisms<'a> {
         p * at.x + q * at.y + height
     }
 
-    /// How many times larger an area in a plane is than in the plan.
-    pub(crate) fn slant(&self, plane: u32) -> f64 {
-        let [p, q] = self.planes[plane as usize].slope;
-        (1.0 + p * p + q * q).sqrt()
-    }
-
     /// A point from the lattice's origin, along its axes, in the internal frame.
     pub(crate) fn global(&self, point: DVec3) -> DVec3 {
         self.turned_back(point) + DVec3::from(self.origin)

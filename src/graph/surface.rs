@@ -1,21 +1,22 @@
 //! The surfaces of cells as polygons.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-use crate::format::records::{CellRecord, CoverRecord};
-use crate::graph::{area, clipped, footprint};
+use super::measure::{area, covered, footprint};
+use crate::format::records::CellRecord;
 use crate::trace::{NONE, Prisms};
 
 /// A part of a cell's surface: corners in the internal frame, counter-clockwise seen from outside the cell; the cell beyond, the
-/// number of its kind.
-pub(super) struct Part {
-    pub(super) corners: Vec<DVec3>,
-    pub(super) beyond: u32,
-    pub(super) kind: u32,
+/// surface's source, the number of its kind.
+pub(crate) struct Part {
+    pub(crate) corners: Vec<DVec3>,
+    pub(crate) beyond: u32,
+    pub(super) source: u32,
+    pub(crate) kind: u32,
 }
 
 /// All parts of a cell's surface that have an area.
-pub(super) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
+pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
     let own = footprint(prisms, cell);
     let mut parts = Vec::new();
     for (i, side) in prisms.sides_of(cell).iter().enumerate() {
@@ -36,15 +37,14 @@ pub(super) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             }
             if corners.len() >= 3 {
                 let corners = corners.into_iter().map(|p| prisms.global(p)).collect();
-                parts.push(Part { corners, beyond: face.cell, kind: face.kind });
+                parts.push(Part { corners, beyond: face.cell, source: face.source, kind: face.kind });
             }
             below = top;
         }
     }
     let (below, above) = prisms.covers_of(cell);
     for (covers, plane, is_up) in [(below, cell.floor, false), (above, cell.ceiling, true)] {
-        for cover in covers {
-            let mut polygon = covered(prisms, &own, covers.len(), cover);
+        for (cover, mut polygon) in covers.iter().zip(covered(prisms, &own, covers)) {
             if area(&polygon) <= 0.0 {
                 continue;
             }
@@ -53,17 +53,17 @@ pub(super) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             }
             let corners =
                 polygon.into_iter().map(|p| prisms.global(p.extend(prisms.height(plane, p)))).collect();
-            parts.push(Part { corners, beyond: cover.cell, kind: cover.kind });
+            parts.push(Part { corners, beyond: cover.cell, source: cover.source, kind: cover.kind });
         }
     }
     parts
 }
 
-/// What of a footprint one of its covers covers.
-fn covered(prisms: &Prisms<'_>, own: &[DVec2], count: usize, cover: &CoverRecord) -> Vec<DVec2> {
-    let other = &prisms.cells[cover.cell as usize];
-    if count == 1 || other.kind == CellRecord::AROUND {
-        return own.to_vec();
+impl Part {
+    /// Square metres.
+    pub(super) fn area(&self) -> f64 {
+        let Some(&first) = self.corners.first() else { return 0.0 };
+        let twice = self.corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first));
+        twice.sum::<DVec3>().length() / 2.0
     }
-    clipped(own.to_vec(), &footprint(prisms, other))
 }
