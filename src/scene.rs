@@ -9,12 +9,13 @@ use crate::format::records::{
 };
 use crate::format::{FormatError, Storage, Views};
 
-/// A compiled building. Immutable; share it among threads by reference or `Arc`.
+/// A compiled building. Share it among threads by reference or `Arc`: nothing but [`Scene::set_open`] changes it.
 ///
 /// Everything is in the internal frame: metres, Z up, offset taken off. [`Scene::frame`] leads to the source's own.
 pub struct Scene {
     pub(crate) tables: Views,
     pub(crate) kernel: crate::trace::Kernel,
+    pub(crate) closing: crate::closing::Closing,
 }
 
 /// A file could not be opened as a scene.
@@ -76,7 +77,7 @@ impl Scene {
     }
 
     fn from_views(tables: Views) -> Scene {
-        Scene { tables, kernel: crate::trace::Kernel::best() }
+        Scene { tables, kernel: crate::trace::Kernel::best(), closing: Default::default() }
     }
 
     /// The same scene, traced by another kernel: all give the same answers.
@@ -177,7 +178,8 @@ impl Scene {
         self.tables.scene[0].detail_triangles
     }
 
-    /// The corners of a triangle, internal frame, f64 as the source has them.
+    /// The corners of a triangle, internal frame, f64 as the source has them; after the model's own come those of the sheets that close
+    /// openings ([`Scene::closures`]).
     ///
     /// # Panics
     /// If there is no triangle `index`.

@@ -12,9 +12,12 @@ use crate::oracle::{GridCheck, RayKind, RaySource, Truth, TruthOptions};
 use crate::trace::{Hit, Ray};
 
 mod report;
+mod standing;
 mod tally;
 
 pub use report::{Case, ErrorStats, KindTally, Said, Tally, VerifyReport};
+
+pub use standing::{standing, tell_sheets};
 
 use tally::Account;
 

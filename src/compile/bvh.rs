@@ -46,14 +46,6 @@ impl Hierarchy {
     }
 }
 
-/// Lanes that hold nothing: every comparison with NaN is false.
-const EMPTY: BlockRecord = BlockRecord {
-    corner: [[f32::NAN; LANES]; 3],
-    edge1: [[f32::NAN; LANES]; 3],
-    edge2: [[f32::NAN; LANES]; 3],
-    triangle: [NONE; LANES],
-};
-
 /// The slack of the f32 kernels, metres, for coordinates up to `radius` from the center and rays up to `diameter` long.
 ///
 /// One rounding of a coordinate, a difference or a product is off by at most 2^-24 of it; a determinant of the triangle
@@ -146,7 +138,7 @@ impl Collapse<'_> {
         let plans = self.plan();
         // (node of the binary tree, index of the wide node that it becomes, its depth)
         let mut todo = vec![(0u32, 0u32, 1u32)];
-        self.out.nodes.push(empty_node());
+        self.out.nodes.push(NodeRecord::EMPTY);
         while let Some((root, index, depth)) = todo.pop() {
             self.out.depth = self.out.depth.max(depth);
             for (lane, child) in self.children(root, &plans).into_iter().enumerate() {
@@ -154,17 +146,13 @@ impl Collapse<'_> {
                 let link = if plans[child as usize].count as usize <= LANES {
                     self.block(child)
                 } else {
-                    self.out.nodes.push(empty_node());
+                    self.out.nodes.push(NodeRecord::EMPTY);
                     let next = self.out.nodes.len() as u32 - 1;
                     todo.push((child, next, depth + 1));
                     next
                 };
-                let node = &mut self.out.nodes[index as usize];
-                node.child[lane] = link;
-                for axis in 0..3 {
-                    node.lo[axis][lane] = (bounds.min[axis] - self.slack).next_down();
-                    node.hi[axis][lane] = (bounds.max[axis] + self.slack).next_up();
-                }
+                let bounds = [bounds.min.to_array(), bounds.max.to_array()];
+                self.out.nodes[index as usize].put(lane, link, bounds, self.slack);
             }
         }
         self.out
@@ -265,27 +253,11 @@ impl Collapse<'_> {
 
 /// A block of up to eight triangles.
 fn block(members: &[u32], triangles: &[[[f64; 3]; 3]], center: DVec3) -> BlockRecord {
-    let mut block = EMPTY;
+    let mut block = BlockRecord::EMPTY;
     for (lane, &t) in members.iter().enumerate() {
-        let [a, b, c] = triangles[t as usize].map(DVec3::from);
-        let [corner, edge1, edge2] = [a - center, b - a, c - a].map(|v| v.as_vec3());
-        for axis in 0..3 {
-            block.corner[axis][lane] = corner[axis];
-            block.edge1[axis][lane] = edge1[axis];
-            block.edge2[axis][lane] = edge2[axis];
-        }
-        block.triangle[lane] = t;
+        block.put(lane, t, triangles[t as usize].map(DVec3::from), center);
     }
     block
-}
-
-fn empty_node() -> NodeRecord {
-    NodeRecord {
-        lo: [[f32::INFINITY; LANES]; 3],
-        hi: [[f32::NEG_INFINITY; LANES]; 3],
-        child: [NONE; LANES],
-        reserved: [0; LANES],
-    }
 }
 
 /// A binary tree of halves along the longest axis: never deeper than the logarithm of the number of triangles.

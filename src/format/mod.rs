@@ -13,7 +13,7 @@ mod tables;
 pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
 pub use kind::FaceKind;
-pub(crate) use storage::Storage;
+pub(crate) use storage::{Storage, View};
 pub(crate) use tables::Views;
 pub(crate) use tables::{MAX_DEPTH, WHOLE_BIT};
 pub use tables::{MapTables, Tables};

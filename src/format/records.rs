@@ -3,6 +3,7 @@
 //! All are `#[repr(C)]` without padding, little-endian. Indices that stand for none are `u32::MAX`.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// A text: bytes `start..start + len` of the section `strings`, UTF-8.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -386,6 +387,25 @@ pub struct NodeRecord {
     pub reserved: [u32; LANES],
 }
 
+impl NodeRecord {
+    /// Without children.
+    pub(crate) const EMPTY: NodeRecord = NodeRecord {
+        lo: [[f32::INFINITY; LANES]; 3],
+        hi: [[f32::NEG_INFINITY; LANES]; 3],
+        child: [u32::MAX; LANES],
+        reserved: [0; LANES],
+    };
+
+    /// Makes `child` the child in `lane`; `bounds` are the box around its triangles, whose corners were rounded to f32.
+    pub(crate) fn put(&mut self, lane: usize, child: u32, [lo, hi]: [[f32; 3]; 2], slack: f32) {
+        self.child[lane] = child;
+        for axis in 0..3 {
+            self.lo[axis][lane] = (lo[axis] - slack).next_down();
+            self.hi[axis][lane] = (hi[axis] + slack).next_up();
+        }
+    }
+}
+
 /// The bit of [`NodeRecord::child`] that marks a block.
 pub const BLOCK_BIT: u32 = 1 << 31;
 
@@ -401,6 +421,37 @@ pub struct BlockRecord {
     pub edge2: [[f32; LANES]; 3],
     /// Triangles, or none.
     pub triangle: [u32; LANES],
+}
+
+impl BlockRecord {
+    /// Without triangles: every comparison with NaN is false.
+    pub(crate) const EMPTY: BlockRecord = BlockRecord {
+        corner: [[f32::NAN; LANES]; 3],
+        edge1: [[f32::NAN; LANES]; 3],
+        edge2: [[f32::NAN; LANES]; 3],
+        triangle: [u32::MAX; LANES],
+    };
+
+    /// Puts a triangle with these corners into `lane`; `center` is the scene's.
+    pub(crate) fn put(&mut self, lane: usize, triangle: u32, [a, b, c]: [DVec3; 3], center: DVec3) {
+        let [corner, edge1, edge2] = [a - center, b - a, c - a].map(|v| v.as_vec3());
+        for axis in 0..3 {
+            self.corner[axis][lane] = corner[axis];
+            self.edge1[axis][lane] = edge1[axis];
+            self.edge2[axis][lane] = edge2[axis];
+        }
+        self.triangle[lane] = triangle;
+    }
+
+    /// Makes `lane` that of `other`.
+    pub(crate) fn take(&mut self, lane: usize, other: &BlockRecord) {
+        for axis in 0..3 {
+            self.corner[axis][lane] = other.corner[axis][lane];
+            self.edge1[axis][lane] = other.edge1[axis][lane];
+            self.edge2[axis][lane] = other.edge2[axis][lane];
+        }
+        self.triangle[lane] = other.triangle[lane];
+    }
 }
 
 #[cfg(test)]

@@ -71,12 +71,18 @@ impl Storage {
     }
 }
 
-/// A typed view of a part of a [`Storage`].
+/// A typed view of a part of a [`Storage`], or of items of its own once it was edited.
 pub struct View<T> {
     items: *const T,
     len: usize,
-    // Keeps the bytes alive; never read.
-    _storage: Arc<Storage>,
+    // Keeps the items alive; never read.
+    keeper: Keeper<T>,
+}
+
+#[derive(Clone)]
+enum Keeper<T> {
+    Storage(#[allow(dead_code)] Arc<Storage>),
+    Own(Vec<T>),
 }
 
 impl<T: Pod> View<T> {
@@ -90,7 +96,36 @@ impl<T: Pod> View<T> {
     pub fn new(storage: &Arc<Storage>, range: Range<usize>) -> Result<View<T>, FormatError> {
         let items: &[T] = bytemuck::try_cast_slice(&storage.bytes()[range])
             .map_err(|e| FormatError::Table(format!("a section does not fit its items: {e}")))?;
-        Ok(View { items: items.as_ptr(), len: items.len(), _storage: Arc::clone(storage) })
+        Ok(View { items: items.as_ptr(), len: items.len(), keeper: Keeper::Storage(Arc::clone(storage)) })
+    }
+
+    /// Items of its own: the others stay as they are in the storage.
+    pub fn own(items: Vec<T>) -> View<T> {
+        // Taken from where the vector is kept: moving that does not move its items.
+        let keeper = Keeper::Own(items);
+        let Keeper::Own(items) = &keeper else { unreachable!("just made") };
+        View { items: items.as_ptr(), len: items.len(), keeper }
+    }
+
+    /// Changes the items, which are copied out of the storage beforehand.
+    pub fn edit<R>(&mut self, change: impl FnOnce(&mut Vec<T>) -> R) -> R {
+        let empty = View::own(Vec::new());
+        let mut items = match std::mem::replace(self, empty) {
+            View { keeper: Keeper::Own(items), .. } => items,
+            stored => stored.to_vec(),
+        };
+        let result = change(&mut items);
+        *self = View::own(items);
+        result
+    }
+}
+
+impl<T: Pod> Clone for View<T> {
+    fn clone(&self) -> View<T> {
+        match &self.keeper {
+            Keeper::Storage(_) => View { items: self.items, len: self.len, keeper: self.keeper.clone() },
+            Keeper::Own(items) => View::own(items.clone()),
+        }
     }
 }
 
@@ -98,13 +133,15 @@ impl<T> Deref for View<T> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
-        // SAFETY: `items` and `len` are those of a slice into the bytes of `_storage`, which are never moved, changed
-        // or freed while the reference count that `self` holds is alive. The slice's lifetime is that of `&self`.
+        // SAFETY: `items` and `len` are those of a slice that `keeper` keeps: into the bytes of a storage, which are never
+        // moved, changed or freed while the reference count that `self` holds is alive; or of a vector that nothing
+        // touches before `self` is replaced or dropped. The slice's lifetime is that of `&self`.
         unsafe { std::slice::from_raw_parts(self.items, self.len) }
     }
 }
 
-// SAFETY: a `View` is a shared reference to immutable memory that it owns a share of, as `Arc<[T]>` is.
+// SAFETY: a `View` is a shared reference to immutable memory that it owns a share of, as `Arc<[T]>` is, or all of, as
+// `Vec<T>` does.
 unsafe impl<T: Send + Sync> Send for View<T> {}
 // SAFETY: as above; no method gives out anything but shared references.
 unsafe impl<T: Send + Sync> Sync for View<T> {}
@@ -121,5 +158,19 @@ mod tests {
         assert!(View::<u32>::new(&storage, 1..5).is_err());
         drop(storage);
         assert_eq!(*view, [1, 2]);
+    }
+
+    #[test]
+    fn edits_leave_the_storage_and_other_views_as_they_are() {
+        let storage = Arc::new(Storage::copy(&[1, 0, 0, 0, 2, 0, 0, 0]));
+        let mut view: View<u32> = View::new(&storage, 0..8).unwrap();
+        let before = view.clone();
+        assert_eq!(view.edit(|items| (items.push(3), items.len()).1), 3);
+        let between = view.clone();
+        view.edit(|items| items[0] = 7);
+        let moved = Box::new(view);
+        assert_eq!((&**moved, &*between, &*before), (&[7, 2, 3][..], &[1, 2, 3][..], &[1, 2][..]));
+        drop(between);
+        assert_eq!(**moved, [7, 2, 3]);
     }
 }

@@ -12,14 +12,10 @@ mod surface;
 
 #[cfg(feature = "compile")]
 pub(crate) use contacts::fills;
-#[cfg(feature = "render")]
-pub(crate) use measure::cut;
-#[cfg(any(feature = "compile", feature = "render"))]
-pub(crate) use measure::footprint;
 #[cfg(feature = "compile")]
-pub(crate) use measure::{area, clipped};
-#[cfg(feature = "compile")]
-pub(crate) use surface::parts;
+pub(crate) use measure::clipped;
+pub(crate) use measure::{area, cut, footprint};
+pub(crate) use surface::{Part, parts};
 
 use std::collections::BTreeMap;
 
@@ -247,8 +243,22 @@ impl Graph {
     }
 }
 
+/// The way through an opening, of unit length, internal frame; `None` if it has no mesh.
+pub(crate) fn way_through(scene: &Scene, opening: u32) -> Option<glam::DVec3> {
+    let prober = sides::Prober { scene, prisms: Prisms::new(&scene.tables) };
+    prober.leads(opening).map(|leads| leads.direction)
+}
+
+/// The opening that a cell is air of.
+pub(crate) fn opening_of(cell: &CellRecord) -> Option<u32> {
+    match (cell.kind, air(cell)) {
+        (CellRecord::AIR, Fill::Opening(element)) => Some(element),
+        _ => None,
+    }
+}
+
 /// Whether an element is an opening, by its meaning.
-fn is_opening(semantic: Semantic) -> bool {
+pub(crate) fn is_opening(semantic: Semantic) -> bool {
     matches!(semantic, Semantic::Door | Semantic::Window | Semantic::Opening)
 }
 

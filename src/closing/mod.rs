@@ -1,0 +1,302 @@
+//! Doors at run time: openings of a scene closed and opened, their leaves kept in or taken out.
+//!
+//! A scene holds a building as it was modelled: the air of a doorway, and in it the mesh of the door's leaf, which stands as somebody drew
+//! it. [`Scene::set_open`] puts a *sheet* across the opening, which closes it whatever its leaf does, and takes the leaf's triangles out, or
+//! back in. Both are detail: what rays meet is as exact as it is without them, and is told by the same code. `docs/GRAPH.md` has how the
+//! sheet is found.
+
+mod section;
+mod sheet;
+mod tables;
+mod tree;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use enfilade_importers::Role;
+
+use crate::graph::is_opening;
+use crate::scene::Scene;
+use sheet::Sheet;
+use tables::Base;
+
+/// Whether what fills an opening is in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Leaf {
+    /// As it was modelled.
+    #[default]
+    In,
+    /// Rays do not meet it.
+    Out,
+}
+
+/// How an opening stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Stand {
+    /// Without a sheet across it.
+    pub open: bool,
+    /// Whether its leaf is in the scene.
+    pub leaf: Leaf,
+}
+
+impl Stand {
+    /// As modelled: no sheet, the leaf where it was drawn.
+    pub const MODELLED: Stand = Stand { open: true, leaf: Leaf::In };
+    /// Nothing in the way.
+    pub const FREE: Stand = Stand { open: true, leaf: Leaf::Out };
+    /// The leaf where it was drawn, and a sheet.
+    pub const CLOSED: Stand = Stand { open: false, leaf: Leaf::In };
+    /// A sheet alone.
+    pub const SEALED: Stand = Stand { open: false, leaf: Leaf::Out };
+}
+
+impl Default for Stand {
+    fn default() -> Stand {
+        Stand::MODELLED
+    }
+}
+
+/// A sheet that closes an opening.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Closure {
+    /// Index of the opening's element.
+    pub opening: u32,
+    /// The sheet's triangles, for [`Scene::triangle`] and [`Hit::triangle`](crate::Hit::triangle). They follow those of the file and change
+    /// with every call of [`Scene::set_open`].
+    pub triangles: Range<u32>,
+    /// Its area within the opening, m2.
+    pub area: f64,
+    /// The share of its outline that matter bounds, from 0 to 1: where it is less than 1, air leads around it.
+    pub sealed: f64,
+}
+
+/// An opening could not be closed or opened.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClosingError {
+    /// The element is no opening, and fills none.
+    #[error("element '{0}' is no opening of the building, and fills none")]
+    NoOpening(String),
+    /// There is no element with this index.
+    #[error("there is no element {0}")]
+    NoElement(u32),
+    /// The opening has no air of its own to put a sheet in: it was not cut from its host, others fill it, or the scene has no cells.
+    #[error("opening '{0}' has no air of its own in this scene: there is nothing to close")]
+    NoAir(String),
+    /// What fills the opening carves space, and cannot be taken out.
+    #[error(
+        "'{leaf}', which fills opening '{opening}', is a solid that cells were cut around: it cannot be taken out"
+    )]
+    SolidLeaf {
+        /// The opening's identity.
+        opening: String,
+        /// The leaf's.
+        leaf: String,
+    },
+}
+
+/// Which openings of a scene stand otherwise than modelled.
+#[derive(Default)]
+pub(crate) struct Closing {
+    stands: BTreeMap<u32, Stand>,
+    closures: Vec<Closure>,
+    /// Cells by opening, and elements that fill it; told when first asked for.
+    known: Option<Known>,
+    /// Sheets by opening, as they are found.
+    sheets: BTreeMap<u32, Sheet>,
+    /// The tables as they were opened.
+    base: Option<Base>,
+}
+
+#[derive(Default)]
+struct Known {
+    cells: BTreeMap<u32, Vec<u32>>,
+    leaves: BTreeMap<u32, BTreeSet<u32>>,
+}
+
+impl Known {
+    fn of(scene: &Scene) -> Known {
+        let mut known = Known::default();
+        for (index, cell) in scene.cells().iter().enumerate() {
+            if let Some(opening) = crate::graph::opening_of(cell) {
+                known.cells.entry(opening).or_default().push(index as u32);
+            }
+        }
+        for element in scene.elements() {
+            if let Some(leaf) = element.filling() {
+                known.leaves.entry(element.index()).or_default().insert(leaf);
+            }
+            if let Some(opening) = element.opening() {
+                known.leaves.entry(opening).or_default().insert(element.index());
+            }
+        }
+        known
+    }
+}
+
+impl Scene {
+    /// Opens or closes an opening, given by its own element or by one that fills it, and keeps its leaf in the scene or takes it out. A
+    /// sheet that closes an opening stands in the plane of the leaf, or if that is not within the hole, in the middle of the hole;
+    /// rays that meet it meet the element that fills the opening, or the opening where nothing does.
+    ///
+    /// Answers stay exact, no other answer changes, and opening again as modelled leaves no trace. The first call copies the tables
+    /// that it changes.
+    ///
+    /// ```no_run
+    /// use enfilade::Scene;
+    /// use enfilade::closing::Leaf;
+    ///
+    /// let mut scene = Scene::open("house.enf".as_ref())?;
+    /// let door = scene.elements().find(|element| element.class() == "IfcDoor").expect("a house has a door");
+    /// scene.set_open(door.index(), false, Leaf::In)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ClosingError`]; then nothing is changed.
+    pub fn set_open(&mut self, element: u32, open: bool, leaf: Leaf) -> Result<(), ClosingError> {
+        self.set_stands(&[(element, Stand { open, leaf })])
+    }
+
+    /// The same for many openings at once, which is much quicker than one by one. Of two that are the same, the last counts.
+    ///
+    /// # Errors
+    /// [`ClosingError`] of the first that fails; then nothing is changed.
+    pub fn set_stands(&mut self, stands: &[(u32, Stand)]) -> Result<(), ClosingError> {
+        let known = self.closing.known.take().unwrap_or_else(|| Known::of(self));
+        let result = self.try_set(stands, &known);
+        self.closing.known = Some(known);
+        result
+    }
+
+    fn try_set(&mut self, stands: &[(u32, Stand)], known: &Known) -> Result<(), ClosingError> {
+        let mut next = self.closing.stands.clone();
+        for &(element, stand) in stands {
+            let opening = self.opening_at(element)?;
+            if stand.leaf == Leaf::Out {
+                self.check_leaves(opening, known)?;
+            }
+            next.insert(opening, stand);
+        }
+        next.retain(|_, stand| *stand != Stand::MODELLED);
+        let closed = next.iter().filter(|(_, stand)| !stand.open).map(|(&opening, _)| opening);
+        let missing: Vec<u32> = closed.filter(|opening| !self.closing.sheets.contains_key(opening)).collect();
+        let found = crate::parallel::map(missing.len(), |i| {
+            let opening = missing[i];
+            let cells = known.cells.get(&opening).map_or(&[][..], Vec::as_slice);
+            sheet::sheet(self, opening, cells, known.leaves.get(&opening))
+        });
+        for (opening, sheet) in missing.into_iter().zip(found) {
+            let sheet = sheet.ok_or_else(|| ClosingError::NoAir(self.element(opening).id().to_owned()))?;
+            self.closing.sheets.insert(opening, sheet);
+        }
+        let out = next.iter().filter(|(_, stand)| stand.leaf == Leaf::Out);
+        let hidden: BTreeSet<u32> =
+            out.filter_map(|(opening, _)| known.leaves.get(opening)).flatten().copied().collect();
+        self.closing.stands = next;
+        self.rebuild(&hidden, known);
+        Ok(())
+    }
+
+    /// The opening that an element is, or fills.
+    fn opening_at(&self, element: u32) -> Result<u32, ClosingError> {
+        if element >= self.element_count() {
+            return Err(ClosingError::NoElement(element));
+        }
+        let is = |index: u32| {
+            let element = self.element(index);
+            is_opening(element.semantic()) && element.role() == Role::Air
+        };
+        let view = self.element(element);
+        match view.opening() {
+            _ if is(element) => Ok(element),
+            Some(opening) if is(opening) => Ok(opening),
+            _ => Err(ClosingError::NoOpening(view.id().to_owned())),
+        }
+    }
+
+    fn check_leaves(&self, opening: u32, known: &Known) -> Result<(), ClosingError> {
+        let leaves = known.leaves.get(&opening);
+        let carves = |leaf: u32| {
+            let is_solid = |volume: &crate::format::records::VolumeRecord| {
+                volume.element == leaf && volume.role == Role::Solid as u32
+            };
+            self.tables.volumes.iter().any(is_solid)
+        };
+        match leaves.into_iter().flatten().find(|leaf| carves(**leaf)) {
+            Some(&leaf) => Err(ClosingError::SolidLeaf {
+                opening: self.element(opening).id().to_owned(),
+                leaf: self.element(leaf).id().to_owned(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// How an opening stands, given by its own element or by one that fills it; anything else stands as modelled.
+    pub fn stand(&self, element: u32) -> Stand {
+        let opening = self.opening_at(element).ok();
+        opening.and_then(|opening| self.closing.stands.get(&opening)).copied().unwrap_or_default()
+    }
+
+    /// The sheets in the scene, in the order of their openings.
+    pub fn closures(&self) -> &[Closure] {
+        &self.closing.closures
+    }
+
+    /// The opening that a triangle closes, as index of its element; `None` if it is one of the model's own.
+    pub fn closed_by(&self, triangle: u32) -> Option<u32> {
+        let closures = &self.closing.closures;
+        let after = closures.partition_point(|closure| closure.triangles.end <= triangle);
+        closures.get(after).filter(|closure| closure.triangles.contains(&triangle)).map(|c| c.opening)
+    }
+
+    /// What rays meet on a sheet of an opening: the element, and its material.
+    fn surface_of(&self, opening: u32, known: &Known) -> (u32, u32) {
+        let element =
+            known.leaves.get(&opening).and_then(|leaves| leaves.first()).copied().unwrap_or(opening);
+        let record = &self.tables.elements[element as usize];
+        let own = record.first_triangle..record.first_triangle + record.triangle_count;
+        // That of most of its surface.
+        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        for triangle in own {
+            let [a, b, c] = self.triangle(triangle).map(glam::DVec3::from);
+            let material = self.tables.triangles[triangle as usize].material;
+            *areas.entry(material).or_default() += (b - a).cross(c - a).length();
+        }
+        let most = areas.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
+        (element, most.map_or(0, |(material, _)| *material))
+    }
+
+    /// Makes the tables say what the stands do.
+    fn rebuild(&mut self, hidden: &BTreeSet<u32>, known: &Known) {
+        let base = match self.closing.base.take() {
+            Some(base) => base,
+            None => Base::of(&self.tables, known),
+        };
+        self.closing.closures.clear();
+        if self.closing.stands.is_empty() {
+            base.restore(&mut self.tables);
+            return;
+        }
+        let closed = self.closing.stands.iter().filter(|(_, stand)| !stand.open);
+        let closed: Vec<u32> = closed.map(|(&opening, _)| opening).collect();
+        let surfaces: Vec<(u32, u32)> =
+            closed.iter().map(|opening| self.surface_of(*opening, known)).collect();
+        let sheets: Vec<tables::Placed<'_>> = closed
+            .iter()
+            .zip(surfaces)
+            .map(|(opening, (element, material))| tables::Placed {
+                sheet: &self.closing.sheets[opening],
+                element,
+                material,
+            })
+            .collect();
+        let placed = base.apply(&mut self.tables, hidden, &sheets);
+        for (opening, triangles) in closed.into_iter().zip(placed) {
+            let Sheet { area, sealed, .. } = self.closing.sheets[&opening];
+            self.closing.closures.push(Closure { opening, triangles, area, sealed });
+        }
+        self.closing.base = Some(base);
+    }
+}

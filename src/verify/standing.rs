@@ -1,0 +1,48 @@
+//! A model whose openings stand as those of a scene do: the truth of a scene in which some were closed or opened.
+
+use enfilade_importers::{Element, ElementId, MaterialId, Model};
+
+use crate::closing::Leaf;
+use crate::scene::Scene;
+use crate::trace::Hit;
+
+/// The model without the leaves that are out of the scene, and with the scene's sheets as further elements, in the order of
+/// [`Scene::closures`], which are detail. Their number is the difference in elements.
+///
+/// # Panics
+/// If the scene was compiled from another model.
+pub fn standing(model: &Model, scene: &Scene) -> Model {
+    let mut model = model.clone();
+    let is_out = |opening: u32| scene.stand(opening).leaf == Leaf::Out;
+    for element in scene.elements() {
+        let filling = element.filling().filter(|_| is_out(element.index()));
+        let own = element.opening().filter(|opening| is_out(*opening)).map(|_| element.index());
+        for leaf in filling.into_iter().chain(own) {
+            model.elements[leaf as usize].mesh = Default::default();
+        }
+    }
+    for closure in scene.closures() {
+        let mut sheet =
+            Element { id: format!("sheet of {}", scene.element(closure.opening).id()), ..Element::default() };
+        for corners in closure.triangles.clone().map(|triangle| scene.triangle(triangle)) {
+            let first = sheet.mesh.positions.len() as u32;
+            sheet.mesh.positions.extend(corners);
+            sheet.mesh.triangles.push([first, first + 1, first + 2]);
+            sheet.mesh.materials.push(MaterialId(0));
+        }
+        model.elements.push(sheet);
+    }
+    model
+}
+
+/// Makes hits on sheets those on the elements that [`standing`] adds for them to a model of so many.
+pub fn tell_sheets(scene: &Scene, elements: u32, hits: &mut [Hit]) {
+    for hit in hits {
+        let triangle = hit.triangle;
+        let closures = scene.closures();
+        let place = closures.partition_point(|closure| closure.triangles.end <= triangle);
+        if closures.get(place).is_some_and(|closure| closure.triangles.contains(&triangle)) {
+            hit.element = ElementId(elements + place as u32).0;
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Doors at run time: openings closed and opened, leaves in and out, against the truth of triangles.
+#![cfg(feature = "compile")]
+
+use enfilade::closing::{ClosingError, Leaf, Stand};
+use enfilade::generate::{
+    Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
+};
+use enfilade::graph::OpeningNode;
+use enfilade::importers::{Model, Role, Semantic};
+use enfilade::roles::roles;
+use enfilade::verify::{standing, tell_sheets};
+use enfilade::{Answer, CompileOptions, Hit, Place, Ray, Scene, Start, VerifyOptions, Want, compile, verify};
+
+fn scene(model: &Model) -> Scene {
+    compile(model, &CompileOptions::default()).unwrap().scene()
+}
+
+fn openings(scene: &Scene) -> Vec<OpeningNode> {
+    scene.graph().openings.into_iter().filter(|opening| !opening.cells.is_empty()).collect()
+}
+
+/// No random ray is wrong by the model as the openings stand.
+fn check(model: &Model, scene: &Scene, rays: u64, name: &str) {
+    let truth = standing(model, scene);
+    let elements = model.elements.len();
+    let mut roles = roles(&truth, Default::default());
+    roles[elements..].fill(Role::Detail);
+    let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+        scene.trace_many(rays, hits, Want::LEAST);
+        tell_sheets(scene, elements as u32, hits);
+    };
+    let options =
+        VerifyOptions::default().with_rays(rays).with_grid_rays(200).with_tolerance(scene.tolerance());
+    let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();
+    assert!(report.passed(), "{name}: {:?} {:?}", report.total, report.wrong);
+}
+
+/// Every opening another way.
+fn mixed(openings: &[OpeningNode]) -> Vec<(u32, Stand)> {
+    let ways = [Stand::CLOSED, Stand::FREE, Stand::SEALED, Stand::MODELLED];
+    openings.iter().zip(ways.iter().cycle()).map(|(opening, way)| (opening.element, *way)).collect()
+}
+
+fn buildings() -> Vec<(&'static str, Building)> {
+    vec![
+        ("house", house(&HouseOptions::default())),
+        ("random", random(&OfficeOptions::default())),
+        ("build1", build1(&OfficeOptions::default())),
+        ("tower", tower(&TowerOptions::default())),
+    ]
+}
+
+#[test]
+fn answers_are_those_of_the_model_as_it_stands() {
+    for (name, building) in buildings() {
+        for style in [Style::exact(), Style::cad(3)] {
+            let model = building.export(&style).to_model().unwrap();
+            let mut scene = scene(&model);
+            let stands = mixed(&openings(&scene));
+            scene.set_stands(&stands).unwrap();
+            assert!(!scene.closures().is_empty());
+            check(&model, &scene, 20_000, name);
+        }
+    }
+}
+
+/// Small numbers in turn, from 0 to 1.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Random rays from points of the air of rooms.
+fn rays_from_rooms(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
+    let mut number = numbers(seed);
+    let rooms: Vec<_> = scene.rooms().map(|room| room.bounds()).collect();
+    let mut rays = Vec::new();
+    while rays.len() < count {
+        let [lo, hi] = rooms[(number() * rooms.len() as f64) as usize];
+        let point = [0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * number());
+        let (z, turn) = (2.0 * number() - 1.0, std::f64::consts::TAU * number());
+        let across = (1.0 - z * z).sqrt();
+        if let Place::Air { room: Some(room), .. } = scene.locate(point) {
+            rays.push((room, Ray::new(point, [across * turn.cos(), across * turn.sin(), z])));
+        }
+    }
+    rays
+}
+
+#[test]
+fn nothing_gets_through_sealed_openings() {
+    for (name, building) in buildings() {
+        let model = building.export(&Style::exact()).to_model().unwrap();
+        let mut scene = scene(&model);
+        let graph = scene.graph();
+        let all: Vec<(u32, Stand)> = graph
+            .openings
+            .iter()
+            .filter(|o| !o.cells.is_empty())
+            .map(|o| (o.element, Stand::SEALED))
+            .collect();
+        scene.set_stands(&all).unwrap();
+        for closure in scene.closures() {
+            assert!(closure.sealed > 0.999, "{name}: {} {closure:?}", scene.element(closure.opening).path());
+        }
+        // Rooms that meet in the air are one.
+        let mut one: Vec<usize> = (0..graph.rooms.len()).collect();
+        let top = |one: &[usize], mut i: usize| {
+            while one[i] != i {
+                i = one[i];
+            }
+            i
+        };
+        for portal in graph.portals.iter().filter(|portal| portal.opening.is_none()) {
+            if let [enfilade::graph::Place::Room(a), enfilade::graph::Place::Room(b)] = portal.places {
+                let (a, b) = (top(&one, a as usize), top(&one, b as usize));
+                one[a] = b;
+            }
+        }
+        for (room, ray) in rays_from_rooms(&scene, 20_000, 7) {
+            match scene.trace(&ray) {
+                Answer::Hit(hit) if scene.closed_by(hit.triangle).is_some() => {}
+                Answer::Hit(hit) => {
+                    let same = hit.room != enfilade::NONE
+                        && top(&one, hit.room as usize) == top(&one, room as usize);
+                    let cell = &scene.cells()[hit.cell as usize];
+                    let in_opening = cell.element != enfilade::NONE
+                        && all.iter().any(|(opening, _)| *opening == cell.element);
+                    assert!(same || in_opening, "{name}: {ray:?} from {room} to {hit:?}");
+                }
+                other => panic!("{name}: {ray:?} from {room}: {other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn openings_opened_again_leave_no_trace() {
+    let model = house(&HouseOptions::default()).export(&Style::cad(1)).to_model().unwrap();
+    let (plain, mut scene) = (scene(&model), scene(&model));
+    let rays: Vec<Ray> = rays_from_rooms(&plain, 5_000, 3).into_iter().map(|(_, ray)| ray).collect();
+    let answers = |scene: &Scene| {
+        let mut hits = vec![Hit::ESCAPED; rays.len()];
+        scene.trace_many(&rays, &mut hits, Want::default());
+        hits
+    };
+    let (before, openings) = (answers(&plain), openings(&scene));
+    let all = |stand| openings.iter().map(|o| (o.element, stand)).collect::<Vec<_>>();
+    scene.set_stands(&all(Stand::SEALED)).unwrap();
+    let sealed = answers(&scene);
+    assert_ne!(sealed, before);
+    // One by one, and all at once: the same.
+    for opening in &openings {
+        scene.set_open(opening.element, true, Leaf::Out).unwrap();
+    }
+    let free = answers(&scene);
+    assert!(scene.closures().is_empty() && free != before && free != sealed);
+    for opening in openings.iter().rev() {
+        scene.set_open(opening.element, false, Leaf::Out).unwrap();
+    }
+    assert_eq!(answers(&scene), sealed);
+    scene.set_stands(&all(Stand::MODELLED)).unwrap();
+    assert_eq!(answers(&scene), before);
+    assert!(openings.iter().all(|o| scene.stand(o.element) == Stand::MODELLED));
+}
+
+#[test]
+fn a_ray_goes_on_from_a_sheet_on_either_side() {
+    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    let mut scene = scene(&model);
+    for opening in openings(&scene) {
+        scene.set_open(opening.element, false, Leaf::Out).unwrap();
+        let [from, to] = opening.ends.map(glam::DVec3::from);
+        let ray = Ray::new(from.to_array(), (to - from).to_array());
+        let Answer::Hit(hit) = scene.trace(&ray) else { panic!("{opening:?}") };
+        assert_eq!(scene.closed_by(hit.triangle), Some(opening.element));
+        assert!(hit.t > 0.0 && hit.t < from.distance(to), "{hit:?}");
+        let filling = scene.element(opening.element).filling();
+        assert_eq!(hit.element, filling.unwrap_or(opening.element));
+        for direction in [ray.direction, ray.direction.map(|c| -c)] {
+            let next = scene.trace_from(Start::Hit(&hit), &Ray::new(hit.point, direction), Want::LEAST);
+            assert_ne!(scene.closed_by(next.triangle), Some(opening.element), "{next:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_closed_is_said() {
+    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    let mut scene = scene(&model);
+    let wall = scene.elements().find(|e| e.semantic() == Semantic::Wall).unwrap().index();
+    assert!(matches!(scene.set_open(wall, false, Leaf::In), Err(ClosingError::NoOpening(_))));
+    assert_eq!(scene.set_open(9_999_999, false, Leaf::In), Err(ClosingError::NoElement(9_999_999)));
+    let door = openings(&scene)[0].element;
+    // Nothing is changed if one of many fails.
+    let both = [(door, Stand::CLOSED), (wall, Stand::CLOSED)];
+    assert!(scene.set_stands(&both).is_err());
+    assert_eq!(scene.stand(door), Stand::MODELLED);
+    assert!(scene.closures().is_empty());
+    // By what fills it.
+    let leaf = scene.element(door).filling().unwrap();
+    scene.set_open(leaf, false, Leaf::In).unwrap();
+    assert_eq!(scene.stand(door), Stand::CLOSED);
+    let mut options = CompileOptions::default();
+    options.cells = false;
+    let mut plain = compile(&model, &options).unwrap().scene();
+    assert!(matches!(plain.set_open(door, false, Leaf::In), Err(ClosingError::NoAir(_))));
+    plain.set_open(door, true, Leaf::Out).unwrap();
+    check(&model, &plain, 2_000, "without cells");
+}
