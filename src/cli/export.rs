@@ -8,6 +8,7 @@ use enfilade::export::{cells_glb, faces_obj, graph_dot, graph_json};
 
 use enfilade::render::face_color;
 
+use super::doors::Doors;
 use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
 use super::output;
@@ -40,6 +41,8 @@ pub struct Arguments {
     /// With --cells: move rooms and cells apart by this share of their distance from the middle.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, requires = "cells", value_parser = share)]
     explode: f64,
+    #[command(flatten)]
+    doors: Doors,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -79,7 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         return Err(Failure::usage("--obj: the colours beside it take the name with .mtl".to_owned()));
     }
     arguments.resources.in_pool(|| {
-        let scene = arguments.reading.scene(&arguments.input, &arguments.resources)?;
+        let mut scene = arguments.reading.scene(&arguments.input, &arguments.resources)?;
+        arguments.doors.apply(&mut scene, &arguments.resources)?;
         if let Some(path) = &arguments.graph {
             let graph = scene.graph();
             let is_dot = path

@@ -3,6 +3,7 @@
 
 mod bench;
 mod compile;
+mod doors;
 mod export;
 mod failure;
 mod generate;

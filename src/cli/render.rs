@@ -12,6 +12,7 @@ use enfilade::render::{
 };
 use serde::Serialize;
 
+use super::doors::Doors;
 use super::failure::{Failure, Outcome};
 use super::input::{FrameName, Point, Reading, Resources, Up, parse_point};
 use super::output;
@@ -27,6 +28,7 @@ Examples:
   enfilade render house.glb -o rooms.png --view rooms --color room --size 512x512
   enfilade render house.enf -o kitchen.exr --eye 2,1.6,-3 --target 5,1.2,-4 --fov 75
   enfilade render house.enf -o walk.png --cams walk.txt
+  enfilade render house.enf -o open.png --view rooms --open doors
 
 A file of cameras has a line 'ex ey ez tx ty tz vfov_degrees' a view; # starts a comment.")]
 pub struct Arguments {
@@ -65,6 +67,8 @@ pub struct Arguments {
     /// Print the views and times as JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    doors: Doors,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -107,7 +111,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         _ => return Err(Failure::usage(format!("{}: neither .png nor .exr", arguments.output.display()))),
     };
     arguments.resources.in_pool(|| {
-        let scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
+        let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
+        arguments.doors.apply(&mut scene, &arguments.resources)?;
         let frame = match arguments.frame {
             FrameName::Source => scene.frame(),
             FrameName::Internal => Frame::default(),

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use enfilade::importers::Role;
 use enfilade::roles::roles;
-use enfilade::verify::{Case, MOST_EXCUSED};
+use enfilade::verify::{Case, MOST_EXCUSED, standing, tell_sheets};
 use enfilade::{Hit, Ray, VerifyOptions, VerifyReport, Want, verify};
 use serde::Serialize;
 
+use super::doors::Doors;
 use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
 use super::output;
@@ -39,6 +41,8 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    doors: Doors,
+    #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     resources: Resources,
@@ -58,7 +62,7 @@ struct Timed<'a> {
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let (report, seconds) = arguments.resources.in_pool(|| {
         let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
-        let scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
+        let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
         // What was found in the building comes after what the model says.
         let own = scene.elements().filter(|element| !element.is_derived());
         if !own.map(|element| element.id()).eq(model.elements.iter().map(|element| element.id.as_str())) {
@@ -68,8 +72,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
                 arguments.model.display()
             )));
         }
-        let roles = roles(&model, arguments.reading.untagged.untagged());
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
+        arguments.doors.apply(&mut scene, &arguments.resources)?;
+        let own = model.elements.len();
+        let model = standing(&model, &scene);
+        let mut roles = roles(&model, arguments.reading.untagged.untagged());
+        roles[own..].fill(Role::Detail);
+        let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+            scene.trace_many(rays, hits, Want::LEAST);
+            tell_sheets(&scene, own as u32, hits);
+        };
         let options = VerifyOptions::default()
             .with_rays(arguments.rays)
             .with_seed(arguments.seed)

@@ -18,7 +18,7 @@ use enfilade_importers::Role;
 use crate::graph::is_opening;
 use crate::scene::Scene;
 use sheet::Sheet;
-use tables::Base;
+use tables::{Base, Placed};
 
 /// Whether what fills an opening is in the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -103,8 +103,8 @@ pub(crate) struct Closing {
     closures: Vec<Closure>,
     /// Cells by opening, and elements that fill it; told when first asked for.
     known: Option<Known>,
-    /// Sheets by opening, as they are found.
-    sheets: BTreeMap<u32, Sheet>,
+    /// By opening: its sheet, or that there can be none; told when first asked for.
+    sheets: BTreeMap<u32, Option<Sheet>>,
     /// The tables as they were opened.
     base: Option<Base>,
 }
@@ -187,9 +187,10 @@ impl Scene {
             let cells = known.cells.get(&opening).map_or(&[][..], Vec::as_slice);
             sheet::sheet(self, opening, cells, known.leaves.get(&opening))
         });
-        for (opening, sheet) in missing.into_iter().zip(found) {
-            let sheet = sheet.ok_or_else(|| ClosingError::NoAir(self.element(opening).id().to_owned()))?;
-            self.closing.sheets.insert(opening, sheet);
+        self.closing.sheets.extend(missing.into_iter().zip(found));
+        let mut closed = next.iter().filter(|(_, stand)| !stand.open).map(|(&opening, _)| opening);
+        if let Some(opening) = closed.find(|opening| self.sheet_of(*opening).is_none()) {
+            return Err(ClosingError::NoAir(self.element(opening).id().to_owned()));
         }
         let out = next.iter().filter(|(_, stand)| stand.leaf == Leaf::Out);
         let hidden: BTreeSet<u32> =
@@ -197,6 +198,10 @@ impl Scene {
         self.closing.stands = next;
         self.rebuild(&hidden, known);
         Ok(())
+    }
+
+    fn sheet_of(&self, opening: u32) -> Option<&Sheet> {
+        self.closing.sheets.get(&opening)?.as_ref()
     }
 
     /// The opening that an element is, or fills.
@@ -279,22 +284,20 @@ impl Scene {
             base.restore(&mut self.tables);
             return;
         }
-        let closed = self.closing.stands.iter().filter(|(_, stand)| !stand.open);
-        let closed: Vec<u32> = closed.map(|(&opening, _)| opening).collect();
-        let surfaces: Vec<(u32, u32)> =
-            closed.iter().map(|opening| self.surface_of(*opening, known)).collect();
-        let sheets: Vec<tables::Placed<'_>> = closed
+        let stands = self.closing.stands.iter();
+        let closed: Vec<(u32, Sheet)> = stands
+            .filter(|(_, stand)| !stand.open)
+            .filter_map(|(&opening, _)| Some((opening, self.sheet_of(opening)?.clone())))
+            .collect();
+        let placed: Vec<Placed<'_>> = closed
             .iter()
-            .zip(surfaces)
-            .map(|(opening, (element, material))| tables::Placed {
-                sheet: &self.closing.sheets[opening],
-                element,
-                material,
+            .map(|(opening, sheet)| {
+                let (element, material) = self.surface_of(*opening, known);
+                Placed { sheet, element, material }
             })
             .collect();
-        let placed = base.apply(&mut self.tables, hidden, &sheets);
-        for (opening, triangles) in closed.into_iter().zip(placed) {
-            let Sheet { area, sealed, .. } = self.closing.sheets[&opening];
+        let ranges = base.apply(&mut self.tables, hidden, &placed);
+        for ((opening, Sheet { area, sealed, .. }), triangles) in closed.into_iter().zip(ranges) {
             self.closing.closures.push(Closure { opening, triangles, area, sealed });
         }
         self.closing.base = Some(base);

@@ -1,7 +1,7 @@
 //! The sheet that closes an opening: where it stands, and how far it reaches.
 //!
 //! It stands across the way through the opening, at a depth where matter is all around the hole, as far as it is: in the middle of the
-//! leaf, if that is such a depth, else in the middle of them. It is what that plane shares with the opening's cells, and with the niches
+//! leaf, if that is such a depth and no other opening shares the hole, else in the middle of them. It is what that plane shares with the opening's cells, and with the niches
 //! beside them that lead nowhere in that plane (a hole is often cut some millimetres larger than its label), and reaches a little into the
 //! matter around.
 
@@ -44,6 +44,9 @@ const LEAST_DEPTH: f64 = 1e-3;
 /// Pieces with less area are none, m2.
 const LEAST_AREA: f64 = 1e-9;
 
+/// Surfaces that look more along the way through than this (cosine) do not bound it.
+const ALONG: f64 = 0.5;
+
 /// A leaf deeper than this stands open, metres.
 const DEEPEST_LEAF: f64 = 0.4;
 
@@ -60,6 +63,13 @@ pub(super) fn sheet(
     let rim = walls.iter().flat_map(|cell| cell.rim(&prisms, normal));
     let [from, to] = best_depths(rim.collect())?;
     let middle = (from + to) / 2.0;
+    // In one hole with another opening, whose sheet meets it only if both stand in the middle.
+    let is_beside = |part: &Part| {
+        let other = opening_of(&prisms.cells[part.beyond as usize]);
+        other.is_some_and(|other| other != opening) && facing(&part.corners).dot(normal).abs() < ALONG
+    };
+    let is_shared = walls.iter().flat_map(|cell| &cell.parts).any(is_beside);
+    let leaves = leaves.filter(|_| !is_shared);
     let depth = leaves.and_then(|leaves| leaf_depth(scene, &prisms, leaves, normal)).unwrap_or(middle);
     // Not at the very end of the matter around it.
     let inset = (to - from) * 0.1;
@@ -130,8 +140,6 @@ impl Walls {
 
     /// The stretches of matter along its sides.
     fn rim(&self, prisms: &Prisms<'_>, normal: DVec3) -> Vec<Rim> {
-        /// Surfaces that look more along the way through than this (cosine) do not bound it.
-        const ALONG: f64 = 0.5;
         let mut rims = Vec::new();
         for part in self.parts.iter().filter(|part| is_matter(prisms, part.beyond)) {
             let [from, to] = extent(&part.corners, normal);

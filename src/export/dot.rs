@@ -8,7 +8,7 @@ use crate::graph::{Graph, Place, Side};
 use crate::scene::Scene;
 use enfilade_importers::Semantic;
 
-/// The graph of a scene for Graphviz: rooms by storey, with names and floor areas; an edge for each opening, and a dashed one where rooms
+/// The graph of a scene for Graphviz: rooms by storey, with names and floor areas; an edge for each opening, dotted if it is closed, and a dashed one where rooms
 /// meet without.
 pub fn graph_dot(scene: &Scene, graph: &Graph) -> String {
     let mut out = String::new();
@@ -50,7 +50,8 @@ fn write_dot(out: &mut String, scene: &Scene, graph: &Graph) -> std::fmt::Result
             _ => "gray40",
         };
         let name = if element.name().is_empty() { element.id() } else { element.name() };
-        writeln!(out, "  {from} -- {to} [color={color}, tooltip={}];", quoted(name))?;
+        let style = if opening.closed { ", style=dotted" } else { "" };
+        writeln!(out, "  {from} -- {to} [color={color}{style}, tooltip={}];", quoted(name))?;
     }
     for portal in graph.portals.iter().filter(|portal| portal.opening.is_none()) {
         if let [Place::Room(_), Place::Room(_)] = portal.places {

@@ -30,6 +30,7 @@ struct Opening<'a> {
     semantic: &'a str,
     storey: Option<&'a str>,
     derived: bool,
+    closed: bool,
     sides: [&'a str; 2],
     cells: &'a [u32],
 }
@@ -90,6 +91,7 @@ impl<'a> Opening<'a> {
             semantic: own.semantic().name(),
             storey: known(own.storey()),
             derived: own.is_derived(),
+            closed: node.closed,
             sides: node.sides.map(|side| side_id(scene, side)),
             cells: &node.cells,
         }

@@ -1,6 +1,6 @@
 //! What touches what: the portals between cells of air, and the faces between air and matter, added up.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::surface::parts;
 use super::{Fill, Passage, Place, air};
@@ -76,8 +76,8 @@ impl Contacts {
         contacts
     }
 
-    /// Where air meets air, openings being what joins and not what is joined.
-    pub(super) fn passages(&self) -> Vec<Passage> {
+    /// Where air meets air, openings being what joins and not what is joined; not through those that are `closed`.
+    pub(super) fn passages(&self, closed: &BTreeSet<u32>) -> Vec<Passage> {
         let mut passages = Vec::new();
         for (fill, around) in &self.air {
             match *fill {
@@ -90,9 +90,10 @@ impl Contacts {
                         }
                     }
                 }
+                Fill::Opening(element) if closed.contains(&element) => {}
                 Fill::Opening(element) => {
                     let direct = self.places(*fill);
-                    let led_to = self.led_to(*fill);
+                    let led_to = self.led_to(*fill, closed);
                     for (one, own) in &direct {
                         for (&other, &area) in &led_to {
                             // Each pair once: two that both touch the opening come in both orders.
@@ -122,7 +123,7 @@ impl Contacts {
     }
 
     /// The places that an opening leads to, through others that it touches, too: with the least area on the widest way.
-    fn led_to(&self, opening: Fill) -> BTreeMap<Place, f64> {
+    fn led_to(&self, opening: Fill, closed: &BTreeSet<u32>) -> BTreeMap<Place, f64> {
         let mut places = self.places(opening);
         let mut widest = BTreeMap::from([(opening, f64::INFINITY)]);
         let mut waiting = vec![opening];
@@ -130,7 +131,8 @@ impl Contacts {
             let least = widest[&here];
             for (&next, &area) in self.air.get(&here).into_iter().flatten() {
                 let least = least.min(area);
-                if matches!(next, Fill::Opening(_)) && widest.get(&next).is_none_or(|known| least > *known) {
+                let is_open = matches!(next, Fill::Opening(element) if !closed.contains(&element));
+                if is_open && widest.get(&next).is_none_or(|known| least > *known) {
                     widest.insert(next, least);
                     waiting.push(next);
                 }

@@ -17,7 +17,7 @@ pub(crate) use measure::clipped;
 pub(crate) use measure::{area, cut, footprint};
 pub(crate) use surface::{Part, parts};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::format::FaceKind;
 use crate::format::records::CellRecord;
@@ -33,7 +33,7 @@ pub struct Graph {
     pub rooms: Vec<RoomNode>,
     /// The doors, windows and openings that are air, in the order of their elements.
     pub openings: Vec<OpeningNode>,
-    /// Where two places touch, or are joined by an opening: in the order of their places, then openings.
+    /// Where two places touch, or are joined by an opening that is not closed: in the order of their places, then openings.
     pub portals: Vec<Passage>,
     /// What bounds rooms, the open and voids, by kind and element; square metres.
     pub faces: BTreeMap<(Place, FaceKind, Option<u32>), f64>,
@@ -92,6 +92,8 @@ pub struct OpeningNode {
     pub ends: [[f64; 3]; 2],
     /// Its cells, ascending; none where it was not cut from its host, or other labels fill it.
     pub cells: Vec<u32>,
+    /// Whether it was closed ([`Scene::set_open`]).
+    pub closed: bool,
 }
 
 /// A place where air meets air.
@@ -162,6 +164,7 @@ impl Scene {
                 cells.entry(*element).or_default().push(cell);
             }
         }
+        let closed = self.closures().iter().map(|closure| closure.opening).collect::<BTreeSet<u32>>();
         for (element, leads) in openings.into_iter().zip(leads) {
             let Some(leads) = leads else { continue };
             graph.openings.push(OpeningNode {
@@ -170,10 +173,11 @@ impl Scene {
                 direction: leads.direction.to_array(),
                 ends: leads.ends.map(|end| end.to_array()),
                 cells: cells.remove(&element).unwrap_or_default(),
+                closed: closed.contains(&element),
             });
         }
         let contacts = contacts::Contacts::of(self, &prisms, &fills);
-        graph.portals = contacts.passages();
+        graph.portals = contacts.passages(&closed);
         graph.faces = contacts.faces;
         graph
     }

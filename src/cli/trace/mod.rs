@@ -10,6 +10,7 @@ use clap::{Args, ValueEnum};
 use enfilade::importers::Frame;
 use enfilade::{Hit, Ray, Scene, Want};
 
+use super::doors::Doors;
 use super::failure::{Failure, Outcome};
 use super::input::{FrameName, Reading, Resources};
 use super::output;
@@ -26,6 +27,7 @@ Examples:
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
   enfilade trace house.enf --rays rays.f64 --in f64 --out f64 --fields t,element -o hits.f64
   enfilade trace house.glb --rays rays.npy --out npy -o hits.npy --elements elements.csv
+  enfilade trace house.enf --rays rays.npy --closed doors --open windows
 
 Binary records are little-endian, one row of numbers after the other; output rows hold the fields in the order given,
 all as f64. Semantic numbers are listed in docs/FORMAT.md, numbers of faces in docs/TOPOLOGY.md.")]
@@ -62,6 +64,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     elements: Option<PathBuf>,
     #[command(flatten)]
+    doors: Doors,
+    #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     resources: Resources,
@@ -82,7 +86,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 }
 
 fn stream(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
+    let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
+    arguments.doors.apply(&mut scene, &arguments.resources)?;
     let frame = match arguments.frame {
         FrameName::Source => scene.frame(),
         FrameName::Internal => Frame::default(),
