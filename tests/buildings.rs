@@ -3,16 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use enfilade::closing::{ClosingError, Stand};
 use enfilade::components::components;
-use enfilade::graph::{OpeningNode, Place, Side};
+use enfilade::graph::{Graph, OpeningNode, Place, Side};
 use enfilade::importers::tagging::Rules;
 use enfilade::importers::{ElementId, Frame, ImportOptions, Model, Role, Semantic, Untagged, import};
 use enfilade::oracle::{Truth, TruthOptions};
 use enfilade::partition::cells::{Label, Partition};
 use enfilade::partition::{PartitionOptions, partition};
 use enfilade::roles::roles;
-use enfilade::verify::MOST_EXCUSED;
-use enfilade::{CompileOptions, Hit, Place as Lies, Ray, Scene, VerifyOptions, Want, compile, verify};
+use enfilade::verify::{MOST_EXCUSED, standing, tell_sheets};
+use enfilade::{CompileOptions, Hit, Place as Lies, Ray, Scene, Start, VerifyOptions, Want, compile, verify};
 
 /// The models of the folder; `None`, and a word on it, if there is none.
 fn models() -> Option<Vec<PathBuf>> {
@@ -423,4 +424,173 @@ fn rooms_again(tagged: &Scene, bare: &Scene, is_meant: impl Fn(u32) -> bool) -> 
         }
     }
     sums
+}
+
+/// Small numbers in turn, from 0 to 1.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+#[test]
+fn answers_are_those_of_the_model_as_its_openings_stand() {
+    for path in models().unwrap_or_default() {
+        let model = load(&path);
+        let mut scene = scene(&model);
+        let ways = [Stand::CLOSED, Stand::FREE, Stand::SEALED, Stand::MODELLED];
+        for (opening, stand) in scene.graph().openings.iter().zip(ways.iter().cycle()) {
+            match scene.set_stands(&[(opening.element, *stand)]) {
+                Ok(()) | Err(ClosingError::NoAir(_) | ClosingError::NoMatter(_)) => {}
+                Err(error) => panic!("{}: {error}", path.display()),
+            }
+        }
+        let (truth, own) = (standing(&model, &scene), model.elements.len());
+        let mut roles = roles(&truth, Untagged::default());
+        roles[own..].fill(Role::Detail);
+        let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+            scene.trace_many(rays, hits, Want::LEAST);
+            tell_sheets(&scene, own as u32, hits);
+        };
+        let options = VerifyOptions::default().with_rays(30_000).with_grid_rays(200).with_seed(3);
+        let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();
+        println!("{}: {} closed, {:?}", path.display(), scene.closures().len(), report.total);
+        assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);
+    }
+}
+
+/// What a cell is by the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Is {
+    In(Place),
+    Opening(u32),
+}
+
+/// Each cell of air that the graph tells of.
+fn told(scene: &Scene, graph: &Graph) -> BTreeMap<u32, Is> {
+    let mut told = BTreeMap::new();
+    let mut tell = |cells: &[u32], is: Is| {
+        for &cell in cells {
+            assert_eq!(told.insert(cell, is), None, "cell {cell} is told of twice");
+        }
+    };
+    for (node, room) in graph.rooms.iter().zip(0..) {
+        tell(&node.cells, Is::In(Place::Room(room)));
+    }
+    for (node, void) in graph.voids.iter().zip(0..) {
+        tell(&node.cells, Is::In(Place::Void(void)));
+    }
+    for node in &graph.openings {
+        tell(&node.cells, Is::Opening(node.element));
+    }
+    for (cell, record) in
+        scene.cells().iter().zip(0..).filter(|(cell, _)| cell.semantic == Semantic::Exterior as u32)
+    {
+        tell(&[record], Is::In(Place::Exterior));
+        assert_eq!(cell.room, enfilade::NONE);
+    }
+    told
+}
+
+/// The cells of air between two points, as they are found there, to a hundredth of a millimetre.
+fn cells_between(scene: &Scene, from: [f64; 3], to: [f64; 3], cells: &mut Vec<u32>) {
+    let at = |point| match scene.locate(point) {
+        Lies::Air { cell, .. } => Some(cell),
+        _ => None,
+    };
+    let (one, other) = (at(from), at(to));
+    let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+    if length < 1e-5 || (one == other && length < 0.05) {
+        cells.extend(one.into_iter().chain(other));
+        return;
+    }
+    let middle = [0, 1, 2].map(|i| (from[i] + to[i]) / 2.0);
+    cells_between(scene, from, middle, cells);
+    cells_between(scene, middle, to, cells);
+}
+
+#[test]
+fn rays_through_openings_cross_the_cells_and_portals_of_the_graph() {
+    for path in models().unwrap_or_default() {
+        let mut scene = scene(&load(&path));
+        let graph = scene.graph();
+        let told = told(&scene, &graph);
+        let free: Vec<(u32, Stand)> = graph.openings.iter().map(|o| (o.element, Stand::FREE)).collect();
+        scene.set_stands(&free).unwrap();
+        let mut number = numbers(5);
+        let (mut rays, mut crossed, mut unlike) = (0, 0, Vec::new());
+        for opening in graph.openings.iter().filter(|opening| !opening.cells.is_empty()) {
+            for _ in 0..40 {
+                let [from, to] = opening.ends;
+                // Somewhere near the middle of the way through, on aslant.
+                let point = [0, 1, 2].map(|i| {
+                    let along = from[i] + (to[i] - from[i]) * (0.2 + 0.6 * number());
+                    along + 0.4 * (number() - 0.5)
+                });
+                let ahead = [0, 1, 2].map(|i| opening.direction[i] + 1.2 * (number() - 0.5));
+                let is_in = |cell| told.get(&cell) == Some(&Is::Opening(opening.element));
+                if !matches!(scene.locate(point), Lies::Air { cell, .. } if is_in(cell)) {
+                    continue;
+                }
+                rays += 1;
+                let mut cells = Vec::new();
+                for back in [true, false] {
+                    let direction = if back { ahead.map(|c| -c) } else { ahead };
+                    let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+                    let hit = scene.trace_from(Start::Anywhere, &Ray::new(point, direction), Want::LEAST);
+                    let reach = (hit.t - 1e-3).clamp(0.0, 4.0);
+                    let end = [0, 1, 2].map(|i| point[i] + direction[i] / length * reach);
+                    cells_between(&scene, point, end, &mut cells);
+                    if back {
+                        cells.reverse();
+                    }
+                }
+                cells.dedup();
+                crossed += cells.len();
+                unlike.extend(
+                    wrong_step(&graph, &told, &cells).map(|what| (opening.element, point, ahead, what)),
+                );
+            }
+        }
+        println!("{}: {rays} rays, {crossed} cells, {} unlike", path.display(), unlike.len());
+        for (opening, point, ahead, what) in unlike.iter().take(5) {
+            println!("    {}: {point:?} {ahead:?}: {what}", scene.element(*opening).path());
+        }
+        assert!(unlike.is_empty(), "{}", path.display());
+    }
+}
+
+/// The first step from place to place along a chain of cells that no portal of the graph stands for.
+fn wrong_step(graph: &Graph, told: &BTreeMap<u32, Is>, cells: &[u32]) -> Option<String> {
+    let has = |one: Place, other: Place, opening: Option<u32>| {
+        let places = if one < other { [one, other] } else { [other, one] };
+        graph.portals.iter().any(|portal| portal.places == places && portal.opening == opening)
+    };
+    let mut steps: Vec<Is> = Vec::new();
+    for cell in cells.iter().filter(|cell| **cell != 0) {
+        match told.get(cell) {
+            Some(is) => steps.push(*is),
+            None => return Some(format!("cell {cell} is not told of")),
+        }
+    }
+    steps.dedup();
+    let mut before: Option<(usize, Place)> = None;
+    for (i, step) in steps.iter().enumerate() {
+        let Is::In(place) = *step else { continue };
+        if let Some((j, last)) = before {
+            match &steps[j + 1..i] {
+                [] if !has(last, place, None) => return Some(format!("{last:?} touches {place:?}")),
+                [Is::Opening(first), .., Is::Opening(end)] | [Is::Opening(first @ end)]
+                    if last != place && !(has(last, place, Some(*first)) && has(last, place, Some(*end))) =>
+                {
+                    return Some(format!("{last:?} to {place:?} through {first} and {end}"));
+                }
+                _ => {}
+            }
+        }
+        before = Some((i, place));
+    }
+    None
 }

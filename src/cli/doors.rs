@@ -88,15 +88,15 @@ impl Doors {
         named: Vec<(u32, Stand)>,
         resources: &Resources,
     ) -> Result<(), Failure> {
-        let (mut without_air, mut solid) = (0, 0);
+        let (mut no_hole, mut solid) = (0, 0);
         loop {
             let failed = match scene.set_stands(&groups) {
                 Ok(()) => break,
                 Err(failed) => failed,
             };
             let id = match &failed {
-                ClosingError::NoAir(opening) => {
-                    without_air += 1;
+                ClosingError::NoAir(opening) | ClosingError::NoMatter(opening) => {
+                    no_hole += 1;
                     opening
                 }
                 ClosingError::SolidLeaf { opening, .. } => {
@@ -111,9 +111,9 @@ impl Doors {
                 return Err(Failure::usage(&failed));
             }
         }
-        if without_air > 0 {
+        if no_hole > 0 {
             resources
-                .warn(&[format!("{without_air} openings have no air of their own and are left as they are")]);
+                .warn(&[format!("{no_hole} openings are no holes with matter around them and air in them, and are left as they are")]);
         }
         if solid > 0 {
             resources.warn(&[format!("{solid} openings are filled by solids, which cannot be taken out")]);

@@ -17,7 +17,7 @@ use enfilade_importers::Role;
 
 use crate::graph::is_opening;
 use crate::scene::Scene;
-use sheet::Sheet;
+use sheet::{Missing, Sheet};
 use tables::{Base, Placed};
 
 /// Whether what fills an opening is in the scene.
@@ -67,7 +67,8 @@ pub struct Closure {
     pub triangles: Range<u32>,
     /// Its area within the opening, m2.
     pub area: f64,
-    /// The share of its outline that matter bounds, from 0 to 1: where it is less than 1, air leads around it.
+    /// The share of its outline that is on matter, or on the sheet of another opening in the same hole, from 0 to 1: where it is less than 1,
+    /// air leads around it.
     pub sealed: f64,
 }
 
@@ -84,6 +85,9 @@ pub enum ClosingError {
     /// The opening has no air of its own to put a sheet in: it was not cut from its host, others fill it, or the scene has no cells.
     #[error("opening '{0}' has no air of its own in this scene: there is nothing to close")]
     NoAir(String),
+    /// No matter is around the opening: a cupboard's, say, in the middle of a room.
+    #[error("no matter is around opening '{0}' in this scene: nothing would hold what closes it")]
+    NoMatter(String),
     /// What fills the opening carves space, and cannot be taken out.
     #[error(
         "'{leaf}', which fills opening '{opening}', is a solid that cells were cut around: it cannot be taken out"
@@ -104,7 +108,7 @@ pub(crate) struct Closing {
     /// Cells by opening, and elements that fill it; told when first asked for.
     known: Option<Known>,
     /// By opening: its sheet, or that there can be none; told when first asked for.
-    sheets: BTreeMap<u32, Option<Sheet>>,
+    sheets: BTreeMap<u32, Result<Sheet, Missing>>,
     /// The tables as they were opened.
     base: Option<Base>,
 }
@@ -188,9 +192,13 @@ impl Scene {
             sheet::sheet(self, opening, cells, known.leaves.get(&opening))
         });
         self.closing.sheets.extend(missing.into_iter().zip(found));
-        let mut closed = next.iter().filter(|(_, stand)| !stand.open).map(|(&opening, _)| opening);
-        if let Some(opening) = closed.find(|opening| self.sheet_of(*opening).is_none()) {
-            return Err(ClosingError::NoAir(self.element(opening).id().to_owned()));
+        for (&opening, _) in next.iter().filter(|(_, stand)| !stand.open) {
+            let id = || self.element(opening).id().to_owned();
+            match self.closing.sheets.get(&opening) {
+                Some(Ok(_)) => {}
+                Some(Err(Missing::Matter)) => return Err(ClosingError::NoMatter(id())),
+                Some(Err(Missing::Air)) | None => return Err(ClosingError::NoAir(id())),
+            }
         }
         let out = next.iter().filter(|(_, stand)| stand.leaf == Leaf::Out);
         let hidden: BTreeSet<u32> =
@@ -201,7 +209,7 @@ impl Scene {
     }
 
     fn sheet_of(&self, opening: u32) -> Option<&Sheet> {
-        self.closing.sheets.get(&opening)?.as_ref()
+        self.closing.sheets.get(&opening)?.as_ref().ok()
     }
 
     /// The opening that an element is, or fills.
@@ -297,8 +305,10 @@ impl Scene {
             })
             .collect();
         let ranges = base.apply(&mut self.tables, hidden, &placed);
-        for ((opening, Sheet { area, sealed, .. }), triangles) in closed.into_iter().zip(ranges) {
-            self.closing.closures.push(Closure { opening, triangles, area, sealed });
+        let is_closed = |other: u32| closed.binary_search_by_key(&other, |(opening, _)| *opening).is_ok();
+        for ((opening, sheet), triangles) in closed.iter().zip(ranges) {
+            let sealed = sheet.sealed(is_closed);
+            self.closing.closures.push(Closure { opening: *opening, triangles, area: sheet.area, sealed });
         }
         self.closing.base = Some(base);
     }

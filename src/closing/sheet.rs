@@ -22,8 +22,24 @@ pub(super) struct Sheet {
     pub(super) triangles: Vec<[[f64; 3]; 3]>,
     /// Square metres.
     pub(super) area: f64,
-    /// The share of its outline that is on matter.
-    pub(super) sealed: f64,
+    /// Its outline, metres.
+    outline: f64,
+    /// How much of that is on matter.
+    on_matter: f64,
+    /// How much is within other openings of the same hole.
+    shared: BTreeMap<u32, f64>,
+}
+
+impl Sheet {
+    /// The share of its outline that is on matter, or on the sheets of other openings that are closed.
+    pub(super) fn sealed(&self, is_closed: impl Fn(u32) -> bool) -> f64 {
+        let shared = self.shared.iter().filter(|(other, _)| is_closed(**other)).map(|(_, length)| length);
+        if self.outline > 0.0 {
+            ((self.on_matter + shared.sum::<f64>()) / self.outline).min(1.0)
+        } else {
+            0.0
+        }
+    }
 }
 
 /// How far a sheet reaches into matter, in tolerances: cells are rounded, and the model's own surface is where rays end.
@@ -50,18 +66,28 @@ const ALONG: f64 = 0.5;
 /// A leaf deeper than this stands open, metres.
 const DEEPEST_LEAF: f64 = 0.4;
 
-/// The sheet of an opening with these cells; `None` if it has none, or no matter is around it.
+/// Why an opening has no sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Missing {
+    /// It has no cells.
+    Air,
+    /// Nothing is around them.
+    Matter,
+}
+
+/// The sheet of an opening with these cells.
 pub(super) fn sheet(
     scene: &Scene,
     opening: u32,
     cells: &[u32],
     leaves: Option<&BTreeSet<u32>>,
-) -> Option<Sheet> {
+) -> Result<Sheet, Missing> {
     let prisms = Prisms::new(&scene.tables);
-    let normal = prisms.turned(way_through(scene, opening)?);
+    let normal =
+        prisms.turned(way_through(scene, opening).filter(|_| !cells.is_empty()).ok_or(Missing::Air)?);
     let walls: Vec<Walls> = cells.iter().map(|&cell| Walls::new(&prisms, cell)).collect();
     let rim = walls.iter().flat_map(|cell| cell.rim(&prisms, normal));
-    let [from, to] = best_depths(rim.collect())?;
+    let [from, to] = best_depths(rim.collect()).ok_or(Missing::Matter)?;
     let middle = (from + to) / 2.0;
     // In one hole with another opening, whose sheet meets it only if both stand in the middle.
     let is_beside = |part: &Part| {
@@ -74,7 +100,7 @@ pub(super) fn sheet(
     // Not at the very end of the matter around it.
     let inset = (to - from) * 0.1;
     let plane = Plane::new(normal, depth.clamp(from + inset, to - inset));
-    Outline { prisms, scene, plane }.sheet(walls)
+    Outline { prisms, scene, plane }.sheet(walls).ok_or(Missing::Air)
 }
 
 /// The middle of the leaf along the way through, if it stands across it.
@@ -200,7 +226,7 @@ impl Outline<'_> {
             pieces.extend(niche);
         }
         let inside: BTreeSet<u32> = pieces.iter().map(|walls| walls.cell).collect();
-        let (mut outline, mut on_matter) = (0.0, 0.0);
+        let (mut outline, mut on_matter, mut shared) = (0.0, 0.0, BTreeMap::<u32, f64>::new());
         let mut triangles = Vec::new();
         let deep = INTO_MATTER * self.scene.tolerance();
         for walls in &pieces {
@@ -214,6 +240,9 @@ impl Outline<'_> {
                 }
                 let length = ends[0].distance(ends[1]);
                 outline += length;
+                if let Some(other) = opening_of(&self.prisms.cells[part.beyond as usize]) {
+                    *shared.entry(other).or_default() += length;
+                }
                 if is_matter(&self.prisms, part.beyond) {
                     on_matter += length;
                     let middle = (ends[0] + ends[1]) / 2.0;
@@ -228,8 +257,7 @@ impl Outline<'_> {
             let polygon = self.plane.within(self.around(walls.cell), spaces);
             self.fan(&polygon, &mut triangles);
         }
-        let sealed = if outline > 0.0 { on_matter / outline } else { 0.0 };
-        (!triangles.is_empty()).then_some(Sheet { triangles, area: area_sum, sealed })
+        (!triangles.is_empty()).then_some(Sheet { triangles, area: area_sum, outline, on_matter, shared })
     }
 
     /// The parts of a cell's surface that the plane crosses.
