@@ -6,8 +6,10 @@
 mod floors;
 mod holes;
 mod matter;
+mod open_plan;
 mod openings;
 mod passage;
+mod raster;
 mod rooms;
 
 use std::borrow::Cow;
@@ -32,12 +34,22 @@ pub struct DeriveOptions {
     pub widest_hole: f64,
     /// Rooms have at least this floor area, square metres. Default: 0.7.
     pub least_area: f64,
+    /// What hangs together and has more floor area than this, square metres, is cut where corridors come to halls. Default: 100.
+    pub open_plan: f64,
+    /// No corridor is wider than this, metres; 0 for no cuts at all. Default: 4.5.
+    pub widest_corridor: f64,
 }
 
 impl DeriveOptions {
     /// Nothing is added.
-    pub const NOTHING: DeriveOptions =
-        DeriveOptions { openings: false, rooms: false, widest_hole: 3.0, least_area: 0.7 };
+    pub const NOTHING: DeriveOptions = DeriveOptions {
+        openings: false,
+        rooms: false,
+        widest_hole: 3.0,
+        least_area: 0.7,
+        open_plan: 100.0,
+        widest_corridor: 4.5,
+    };
 }
 
 impl Default for DeriveOptions {
@@ -90,7 +102,8 @@ pub fn complete<'m>(
         if floors.len() < 2 {
             return Ok((model, report));
         }
-        let storeys = match storeys(&model, &floors, how) {
+        let mut cuts = Vec::new();
+        let mut storeys = match storeys(&model, &floors, &cuts, how) {
             Ok(storeys) => storeys,
             Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
             Err(failed) => {
@@ -98,9 +111,20 @@ pub fn complete<'m>(
                 return Ok((model, report));
             }
         };
+        if lacks_rooms {
+            cuts = rooms::cuts(&model, &roles, &storeys, options);
+            if cuts.iter().any(|cuts| !cuts.is_empty()) {
+                match self::storeys(&model, &floors, &cuts, how) {
+                    Ok(cut) => storeys = cut,
+                    Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
+                    // Rooms are found that way, too, if fewer.
+                    Err(_) => cuts.clear(),
+                }
+            }
+        }
         // As they were cut: what lies beyond all that carves is no level.
         let names = floors::names(&model, &storeys.levels());
-        let found = rooms::find(&model, &roles, &storeys, options);
+        let found = rooms::find(&model, &roles, &storeys, &cuts, options);
         let mut ids = Ids::of(&model);
         let mut elements = Vec::new();
         if lacks_rooms {

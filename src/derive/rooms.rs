@@ -11,9 +11,10 @@ use glam::{DVec2, DVec3};
 
 use super::DeriveOptions;
 use super::matter::Solids;
+use super::open_plan::{self, Cutting, LEAST_PIECE, Place};
 use super::passage::{Ground, Union, is_wide};
 use crate::graph::{area, clipped};
-use crate::lattice::{FINE, Plane, Point, double_area};
+use crate::lattice::{FINE, Lattice, Plane, Point, double_area};
 use crate::partition::storeys::{NONE, Storey, Storeys};
 
 /// Air lower than this is none to stand in, metres.
@@ -95,6 +96,8 @@ struct Finder<'a> {
     /// By storey and triangle: the patch that it is of.
     patch_of: Vec<Vec<u32>>,
     patches: Vec<Patch>,
+    /// By storey: edges of triangles that lie on lines along which places are cut.
+    cut: Vec<BTreeSet<(u32, u8)>>,
 }
 
 /// The free part of a storey's plan.
@@ -111,12 +114,13 @@ impl Ground for Way<'_> {
     fn beyond(&self, triangle: u32, edge: usize) -> Option<u32> {
         let other = self.finder.storeys.storeys[self.storey].across[triangle as usize][edge];
         let is_free = other != NONE && self.finder.spots[self.storey][other as usize].kind == Kind::Free;
-        (is_free && self.finder.meet(self.storey, triangle, edge, other)).then_some(other)
+        let is_cut = self.finder.cut[self.storey].contains(&(triangle, edge as u8));
+        (is_free && !is_cut && self.finder.meet(self.storey, triangle, edge, other)).then_some(other)
     }
 }
 
 impl<'a> Finder<'a> {
-    fn new(model: &Model, roles: &[Role], storeys: &'a Storeys) -> Finder<'a> {
+    fn new(model: &Model, roles: &[Role], storeys: &'a Storeys, cuts: &[Vec<[Point; 2]>]) -> Finder<'a> {
         let fill = |set: &Vec<ElementId>| {
             let semantic = |e: &ElementId| model.elements[e.0 as usize].semantic;
             let solids = || set.iter().filter(|e| roles[e.0 as usize] == Role::Solid).map(semantic);
@@ -138,7 +142,9 @@ impl<'a> Finder<'a> {
         let fills = storeys.storeys.iter().map(|storey| storey.sets.iter().map(fill).collect()).collect();
         let count = storeys.storeys.len();
         let patch_of = storeys.storeys.iter().map(|storey| vec![NONE; storey.triangles.len()]).collect();
-        let mut finder = Finder { storeys, fills, spots: Vec::new(), patch_of, patches: Vec::new() };
+        let none = Vec::new();
+        let cut = (0..count).map(|i| edges_on(&storeys.storeys[i], cuts.get(i).unwrap_or(&none))).collect();
+        let mut finder = Finder { storeys, fills, spots: Vec::new(), patch_of, patches: Vec::new(), cut };
         finder.spots = crate::parallel::map(count, |i| finder.spots_of(i));
         finder
     }
@@ -300,13 +306,16 @@ impl<'a> Finder<'a> {
         united
     }
 
-    /// Gives patches that are too narrow to be rooms, and hang together with others by slits alone, to the one with which they share most.
+    /// Gives patches that are too narrow to be rooms, and hang together with others by slits alone, to the one with which they share most; and
+    /// what was cut off and is too small to be told apart.
     fn join_narrow(&mut self) {
         // Round by round: what hangs on a narrow patch follows it.
         loop {
             let mut into: BTreeMap<u32, u32> = BTreeMap::new();
             for (patch, number) in self.patches.iter().zip(0u32..) {
-                if patch.triangles.is_empty() || patch.is_outside || self.width(patch) >= NARROWEST {
+                let is_small = patch.area < LEAST_PIECE;
+                let is_narrow = self.width(patch) < NARROWEST;
+                if patch.triangles.is_empty() || patch.is_outside || !(is_small || is_narrow) {
                     continue;
                 }
                 let mut beside: BTreeMap<u32, f64> = BTreeMap::new();
@@ -316,7 +325,8 @@ impl<'a> Finder<'a> {
                     {
                         let of =
                             if other == NONE { NONE } else { self.patch_of[patch.storey][other as usize] };
-                        if of != NONE && of != number && self.meet(patch.storey, t, edge, other) {
+                        let counts = is_narrow || self.cut[patch.storey].contains(&(t, edge as u8));
+                        if of != NONE && of != number && counts && self.meet(patch.storey, t, edge, other) {
                             *beside.entry(of).or_default() += self.edge(patch.storey, t, edge);
                         }
                     }
@@ -540,14 +550,113 @@ pub(super) struct FoundHole {
     pub(super) mesh: Mesh,
 }
 
-/// Finds rooms, and holes between them that nothing fills.
-pub(super) fn find(model: &Model, roles: &[Role], storeys: &Storeys, options: &DeriveOptions) -> Found {
-    let mut finder = Finder::new(model, roles, storeys);
-    finder.gather();
-    finder.open_wide(options.widest_hole);
-    finder.gather();
-    finder.join_narrow();
-    finder.tell_courts(model, roles);
+/// The edges of triangles of a plan that lie on lines.
+fn edges_on(storey: &Storey, lines: &[[Point; 2]]) -> BTreeSet<(u32, u8)> {
+    /// How far rounding may move a line, lattice units.
+    const OFF: f64 = 3.0;
+    let point = |p: Point| DVec2::new(f64::from(p.x), f64::from(p.y));
+    let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(point)).collect();
+    let is_on = |p: DVec2, [a, b]: [DVec2; 2]| {
+        let (length, way) = (a.distance(b), (b - a).normalize_or_zero());
+        way.perp_dot(p - a).abs() <= OFF && (-OFF..=length + OFF).contains(&way.dot(p - a))
+    };
+    let mut edges = BTreeSet::new();
+    for t in 0..if lines.is_empty() { 0 } else { storey.triangles.len() as u32 } {
+        let corners = storey.corners(t).map(point);
+        for edge in 0..3 {
+            let ends = [corners[edge], corners[(edge + 1) % 3]];
+            if lines.iter().any(|line| ends.iter().all(|end| is_on(*end, *line))) {
+                edges.insert((t, edge as u8));
+            }
+        }
+    }
+    edges
+}
+
+impl<'a> Finder<'a> {
+    /// With patches that are told to be rooms or outside.
+    fn of(
+        model: &Model,
+        roles: &[Role],
+        storeys: &'a Storeys,
+        cuts: &[Vec<[Point; 2]>],
+        options: &DeriveOptions,
+    ) -> Finder<'a> {
+        let mut finder = Finder::new(model, roles, storeys, cuts);
+        finder.gather();
+        finder.open_wide(options.widest_hole);
+        finder.gather();
+        finder.join_narrow();
+        finder.tell_courts(model, roles);
+        finder
+    }
+
+    /// A patch in metres.
+    fn place_of(&self, number: u32) -> Place {
+        let patch = &self.patches[number as usize];
+        let storey = &self.storeys.storeys[patch.storey];
+        let step = self.storeys.lattice.step();
+        let at = |v: u32| {
+            let p = storey.points[v as usize];
+            DVec2::new(f64::from(p.x), f64::from(p.y)) * step
+        };
+        let mut place = Place { triangles: Vec::new(), border: Vec::new(), area: patch.area };
+        for &t in &patch.triangles {
+            let corners = storey.triangles[t as usize];
+            place.triangles.push(corners.map(at));
+            for (edge, other) in storey.across[t as usize].into_iter().enumerate() {
+                if other == NONE || self.patch_of[patch.storey][other as usize] != number {
+                    let ends = [corners[edge], corners[(edge + 1) % 3]];
+                    place.border.push((ends, ends.map(at)));
+                }
+            }
+        }
+        place
+    }
+}
+
+/// By storey: lines along which to cut what would be one room.
+pub(super) fn cuts(
+    model: &Model,
+    roles: &[Role],
+    storeys: &Storeys,
+    options: &DeriveOptions,
+) -> Vec<Vec<[Point; 2]>> {
+    let mut cuts = vec![Vec::new(); storeys.storeys.len()];
+    if options.widest_corridor <= 0.0 {
+        return cuts;
+    }
+    let finder = Finder::of(model, roles, storeys, &[], options);
+    let how = Cutting {
+        widest_gap: options.widest_hole,
+        widest_corridor: options.widest_corridor,
+        open_plan: options.open_plan,
+    };
+    let rooms: Vec<u32> = (0..finder.patches.len() as u32)
+        .filter(|&number| finder.is_room(&finder.patches[number as usize], options.least_area))
+        .collect();
+    let found = crate::parallel::map(rooms.len(), |i| open_plan::cuts(&finder.place_of(rooms[i]), how));
+    let lattice = &storeys.lattice;
+    let point = |p: DVec2| {
+        let [x, y, _] = Lattice::round([lattice.steps(p.x), lattice.steps(p.y), 0.0]);
+        Point::new(x, y)
+    };
+    for (room, lines) in rooms.into_iter().zip(found) {
+        let storey = finder.patches[room as usize].storey;
+        cuts[storey].extend(lines.into_iter().map(|line| line.map(point)));
+    }
+    cuts
+}
+
+/// Finds rooms, and holes between them that nothing fills; `cuts` are lines of the storeys' plans.
+pub(super) fn find(
+    model: &Model,
+    roles: &[Role],
+    storeys: &Storeys,
+    cuts: &[Vec<[Point; 2]>],
+    options: &DeriveOptions,
+) -> Found {
+    let finder = Finder::of(model, roles, storeys, cuts, options);
     let is_room = |number: &u32| finder.is_room(&finder.patches[*number as usize], options.least_area);
     let rooms: BTreeSet<u32> = (0..finder.patches.len() as u32).filter(is_room).collect();
     let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

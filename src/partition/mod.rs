@@ -166,7 +166,7 @@ pub fn partition(
     };
     let raw = each(ranges, |levels| {
         watch.check()?;
-        raw_slab(&bodies, &triangles, levels, hull, &account).map_err(|why| fail(levels, why))
+        raw_slab(&bodies, &triangles, levels, hull, &[], &account).map_err(|why| fail(levels, why))
     })?;
     lap(&mut report, "columns")?;
     let seen: Vec<(&Plan, &Columns)> = raw.iter().map(|r| (&r.plan, &r.columns)).collect();
@@ -287,9 +287,11 @@ fn raw_slab(
     triangles: &[Triangle],
     levels: [i32; 2],
     hull: [[i32; 3]; 2],
+    lines: &[[crate::lattice::Point; 2]],
     account: &Account,
 ) -> Result<Raw, Failed> {
     let mut slab = slabs::cut(triangles, levels, hull);
+    slab.segments.extend_from_slice(lines);
     account.take(slab.segments.len() + slab.chains.len() + slab.pieces.len(), 64)?;
     slab.segments.extend(crossings::crossings(&slab, hull, account)?);
     let snapped = snap::snap(&slab.segments).map_err(|e| Failed::Because(e.to_string()))?;

@@ -67,13 +67,14 @@ impl Storey {
 }
 
 /// The space of `model` between each two of `levels` (metres, internal frame, ascending): what carves, and air labels, by the rules of the
-/// partition.
+/// partition. `lines`, by storey, are edges of its plan, too; lattice units.
 ///
 /// # Errors
 /// [`PartitionError`].
 pub(crate) fn storeys(
     model: &Model,
     levels: &[f64],
+    lines: &[Vec<[Point; 2]>],
     options: &PartitionOptions,
 ) -> Result<Storeys, PartitionError> {
     let (limits, watch) = (&options.limits, &options.watch);
@@ -88,10 +89,14 @@ pub(crate) fn storeys(
     };
     let mut levels: Vec<i32> = levels.iter().map(level).collect();
     levels.dedup();
-    let ranges: Vec<[i32; 2]> = levels.windows(2).map(|w| [w[0], w[1]]).collect();
-    let storeys = each(ranges, |levels| {
+    let ranges: Vec<([i32; 2], &[[Point; 2]])> = levels
+        .windows(2)
+        .enumerate()
+        .map(|(i, w)| ([w[0], w[1]], lines.get(i).map_or(&[][..], Vec::as_slice)))
+        .collect();
+    let storeys = each(ranges, |(levels, lines)| {
         watch.check()?;
-        let raw = raw_slab(&bodies, &triangles, levels, hull, &account).map_err(|why| match why {
+        let raw = raw_slab(&bodies, &triangles, levels, hull, lines, &account).map_err(|why| match why {
             Failed::Full => PartitionError::TooLarge(limits.max_memory),
             Failed::Because(why) => {
                 let [low, high] = levels.map(|z| lattice.height(f64::from(z)));
