@@ -56,6 +56,12 @@ pub struct Reading {
     /// Rooms are told apart at holes in walls up to so wide, where no tag names any room; metres.
     #[arg(long, value_name = "METRES", default_value_t = 3.0, value_parser = parse_length)]
     pub widest_hole: f64,
+    /// What would be one room larger than this is cut at gaps in walls and where corridors come to halls; square metres.
+    #[arg(long, value_name = "M2", default_value_t = 100.0, value_parser = parse_length)]
+    pub open_plan: f64,
+    /// No corridor is wider than this, metres; 0 leaves open plans whole.
+    #[arg(long, value_name = "METRES", default_value_t = 4.5, value_parser = parse_length)]
+    pub widest_corridor: f64,
     /// What is found as a room has at least this floor area, square metres.
     #[arg(long, value_name = "M2", default_value_t = 0.7, value_parser = parse_length)]
     pub least_room: f64,
@@ -264,6 +270,8 @@ impl Reading {
         options.rooms = matches!(self.derive, DeriveWhat::All);
         options.widest_hole = self.widest_hole;
         options.least_area = self.least_room;
+        options.open_plan = self.open_plan;
+        options.widest_corridor = self.widest_corridor;
         options
     }
 

@@ -145,7 +145,10 @@ fn describe(derive: &DeriveOptions) -> String {
         (true, false) => "openings".to_owned(),
         (openings, true) => {
             let what = if openings { "all" } else { "rooms" };
-            format!("{what}, holes up to {} m, rooms from {} m2", derive.widest_hole, derive.least_area)
+            format!(
+                "{what}, holes up to {} m, rooms from {} m2, open plans from {} m2, corridors up to {} m",
+                derive.widest_hole, derive.least_area, derive.open_plan, derive.widest_corridor
+            )
         }
     }
 }

@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 
 use enfilade_importers::{Cancelled, Element, Mesh, Model, Semantic, TagSource};
 
+use crate::lattice::Point;
 use crate::partition::storeys::storeys;
 use crate::partition::{PartitionError, PartitionOptions};
 use crate::roles::roles;
@@ -34,9 +35,10 @@ pub struct DeriveOptions {
     pub widest_hole: f64,
     /// Rooms have at least this floor area, square metres. Default: 0.7.
     pub least_area: f64,
-    /// What hangs together and has more floor area than this, square metres, is cut where corridors come to halls. Default: 100.
+    /// What hangs together and has more floor area than this, square metres, is cut at gaps in walls and where corridors come to halls.
+    /// Default: 100.
     pub open_plan: f64,
-    /// No corridor is wider than this, metres; 0 for no cuts at all. Default: 4.5.
+    /// No corridor is wider than this, metres; 0 for none of these cuts. Default: 4.5.
     pub widest_corridor: f64,
 }
 
@@ -103,7 +105,7 @@ pub fn complete<'m>(
             return Ok((model, report));
         }
         let mut cuts = Vec::new();
-        let mut storeys = match storeys(&model, &floors, &cuts, how) {
+        let mut storeys = match storeys(&model, &floors, &[], how) {
             Ok(storeys) => storeys,
             Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
             Err(failed) => {
@@ -114,7 +116,9 @@ pub fn complete<'m>(
         if lacks_rooms {
             cuts = rooms::cuts(&model, &roles, &storeys, options);
             if cuts.iter().any(|cuts| !cuts.is_empty()) {
-                match self::storeys(&model, &floors, &cuts, how) {
+                let lines: Vec<Vec<[Point; 2]>> =
+                    cuts.iter().map(|lines| lines.iter().map(|line| line.ends).collect()).collect();
+                match self::storeys(&model, &floors, &lines, how) {
                     Ok(cut) => storeys = cut,
                     Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
                     // Rooms are found that way, too, if fewer.

@@ -1,7 +1,7 @@
-//! Where rooms meet in the air: lines along which what hangs together is cut into several rooms.
+//! Where rooms meet in the air: lines along which what hangs together, and is as large as an open plan, is cut into several rooms.
 //!
 //! - *Gaps in a wall*: the wall ends, and goes on in the same line no farther away than the widest hole.
-//! - *Mouths of corridors*, in what is as large as an open plan: places narrower than a corridor may be, and long, that end in a much wider one.
+//! - *Mouths of corridors*: places narrower than a corridor may be, and long, that end in a much wider one.
 //!   A corridor leads on, to somewhere else than it came from: a bay of a hall does not. What is narrow is what no disc fits into that is as wide (the opening of mathematical morphology, on a grid); where it ends, the
 //!   shortest line from a corner to what is across closes it.
 
@@ -13,8 +13,6 @@ use super::raster::{Contact, Raster, distances};
 
 /// Nothing is told apart by less floor than this, m2.
 pub(super) const LEAST_PIECE: f64 = 3.0;
-/// Gaps are closed in what has this share of an open plan's area.
-const GAPS: f64 = 0.5;
 /// A wall before and after a gap is as long as this, metres.
 const WALL: f64 = 0.4;
 /// A gap is wider than this, metres: others are slits, which nobody passes.
@@ -28,7 +26,7 @@ const LEAST_CORRIDOR: f64 = 10.0;
 /// Corridors are so many times as long as wide.
 const LONG: f64 = 2.0;
 /// What a corridor ends in is so many times as wide.
-const WIDER: f64 = 1.5;
+const WIDER: f64 = 2.0;
 /// Free-standing things smaller than this, m2, columns, are not what bounds a place.
 const COLUMN: f64 = 1.5;
 /// How far lines go on into matter, metres.
@@ -74,23 +72,29 @@ pub(super) struct Cutting {
     pub(super) open_plan: f64,
 }
 
+/// A line along which to cut a place, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) ends: [DVec2; 2],
+    /// It closes a gap in a wall, as a door would.
+    pub(super) is_gap: bool,
+}
+
 /// Lines along which to cut a place.
-pub(super) fn cuts(place: &Place, how: Cutting) -> Vec<[DVec2; 2]> {
-    if place.area < 2.0 * LEAST_PIECE {
+pub(super) fn cuts(place: &Place, how: Cutting) -> Vec<Cut> {
+    if place.area < how.open_plan.max(2.0 * LEAST_PIECE) {
         return Vec::new();
     }
     let walls = walls(&place.border);
     let corners = corners(&walls);
     let Some(mut raster) = Raster::new(&place.triangles) else { return Vec::new() };
-    let is_large = |share: f64| place.area >= share * how.open_plan;
-    let mut cuts = if is_large(GAPS) { gaps(&walls, &corners, &raster, how.widest_gap) } else { Vec::new() };
-    for &cut in &cuts {
-        raster.block(cut);
+    let gaps = gaps(&walls, &corners, &raster, how.widest_gap);
+    for &gap in &gaps {
+        raster.block(gap);
     }
-    if is_large(1.0) && how.widest_corridor > 0.0 {
-        cuts.extend(mouths(&walls, &corners, &raster, how));
-    }
-    cuts.into_iter().map(|[a, b]| longer(a, b)).collect()
+    let mouths = mouths(&walls, &corners, &raster, how);
+    let cut = |is_gap: bool| move |[a, b]: [DVec2; 2]| Cut { ends: longer(a, b), is_gap };
+    gaps.into_iter().map(cut(true)).chain(mouths.into_iter().map(cut(false))).collect()
 }
 
 /// A little into what it ends at.
@@ -324,10 +328,10 @@ mod tests {
 
     const HOW: Cutting = Cutting { widest_gap: 3.0, widest_corridor: 4.5, open_plan: 100.0 };
 
-    fn spans(cuts: &[[DVec2; 2]]) -> Vec<[i32; 4]> {
+    fn spans(cuts: &[Cut]) -> Vec<[i32; 4]> {
         let mut spans: Vec<[i32; 4]> = cuts
             .iter()
-            .map(|[a, b]| {
+            .map(|Cut { ends: [a, b], .. }| {
                 let (lo, hi) = (a.min(*b), a.max(*b));
                 [lo.x, lo.y, hi.x, hi.y].map(|c| c.round() as i32)
             })
@@ -338,16 +342,15 @@ mod tests {
 
     #[test]
     fn a_gap_in_a_wall_is_closed_once() {
-        // Two rooms, and a hole of 2 m in the wall of 1 m between them... which is thicker than what counts as one wall.
-        let rooms = place(&[[0, 0, 6, 5], [2, 5, 4, 6], [0, 6, 6, 12]]);
-        let cuts = cuts(&rooms, HOW);
-        assert_eq!(spans(&cuts), [[2, 5, 4, 5], [2, 6, 4, 6]]);
+        // Two rooms, and a hole of 2 m in the wall between them, which is thicker than what counts as one: on either face.
+        let rooms = [[0, 0, 10, 5], [4, 5, 6, 6], [0, 6, 10, 12]];
+        assert_eq!(spans(&cuts(&place(&rooms), HOW)), [[4, 5, 6, 5], [4, 6, 6, 6]]);
+        // In what is no open plan, none.
+        assert!(cuts(&place(&rooms), Cutting { open_plan: 120.0, ..HOW }).is_empty());
         // No gap: the wall does not go on beyond it.
-        let niche = place(&[[0, 0, 6, 5], [4, 5, 6, 10]]);
-        assert!(super::cuts(&niche, HOW).is_empty());
+        assert!(cuts(&place(&[[0, 0, 10, 9], [8, 9, 10, 14]]), HOW).is_empty());
         // Wider than a hole.
-        let wide = place(&[[0, 0, 12, 5], [4, 5, 8, 6], [0, 6, 12, 12]]);
-        assert!(super::cuts(&wide, HOW).is_empty());
+        assert!(cuts(&place(&[[0, 0, 12, 5], [4, 5, 8, 6], [0, 6, 12, 12]]), HOW).is_empty());
     }
 
     #[test]

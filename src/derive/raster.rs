@@ -6,7 +6,7 @@ use glam::DVec2;
 const STEP: f64 = 0.1;
 
 /// No grid has more squares.
-const MOST: f64 = 4e6;
+const MOST: f64 = 1e6;
 
 /// A place in the plan as squares.
 pub(super) struct Raster {

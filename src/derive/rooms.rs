@@ -96,8 +96,8 @@ struct Finder<'a> {
     /// By storey and triangle: the patch that it is of.
     patch_of: Vec<Vec<u32>>,
     patches: Vec<Patch>,
-    /// By storey: edges of triangles that lie on lines along which places are cut.
-    cut: Vec<BTreeSet<(u32, u8)>>,
+    /// By storey: edges of triangles that lie on lines along which places are cut, and whether these close gaps in walls.
+    cut: Vec<BTreeMap<(u32, u8), bool>>,
 }
 
 /// The free part of a storey's plan.
@@ -114,13 +114,13 @@ impl Ground for Way<'_> {
     fn beyond(&self, triangle: u32, edge: usize) -> Option<u32> {
         let other = self.finder.storeys.storeys[self.storey].across[triangle as usize][edge];
         let is_free = other != NONE && self.finder.spots[self.storey][other as usize].kind == Kind::Free;
-        let is_cut = self.finder.cut[self.storey].contains(&(triangle, edge as u8));
+        let is_cut = self.finder.cut[self.storey].contains_key(&(triangle, edge as u8));
         (is_free && !is_cut && self.finder.meet(self.storey, triangle, edge, other)).then_some(other)
     }
 }
 
 impl<'a> Finder<'a> {
-    fn new(model: &Model, roles: &[Role], storeys: &'a Storeys, cuts: &[Vec<[Point; 2]>]) -> Finder<'a> {
+    fn new(model: &Model, roles: &[Role], storeys: &'a Storeys, cuts: &[Vec<Line>]) -> Finder<'a> {
         let fill = |set: &Vec<ElementId>| {
             let semantic = |e: &ElementId| model.elements[e.0 as usize].semantic;
             let solids = || set.iter().filter(|e| roles[e.0 as usize] == Role::Solid).map(semantic);
@@ -313,7 +313,7 @@ impl<'a> Finder<'a> {
         loop {
             let mut into: BTreeMap<u32, u32> = BTreeMap::new();
             for (patch, number) in self.patches.iter().zip(0u32..) {
-                let is_small = patch.area < LEAST_PIECE;
+                let is_small = patch.area < LEAST_PIECE || self.is_bay(patch);
                 let is_narrow = self.width(patch) < NARROWEST;
                 if patch.triangles.is_empty() || patch.is_outside || !(is_small || is_narrow) {
                     continue;
@@ -325,7 +325,7 @@ impl<'a> Finder<'a> {
                     {
                         let of =
                             if other == NONE { NONE } else { self.patch_of[patch.storey][other as usize] };
-                        let counts = is_narrow || self.cut[patch.storey].contains(&(t, edge as u8));
+                        let counts = is_narrow || self.cut[patch.storey].contains_key(&(t, edge as u8));
                         if of != NONE && of != number && counts && self.meet(patch.storey, t, edge, other) {
                             *beside.entry(of).or_default() += self.edge(patch.storey, t, edge);
                         }
@@ -365,6 +365,34 @@ impl<'a> Finder<'a> {
                 patch.area += area;
             }
         }
+    }
+
+    /// Whether a patch was cut off where something narrow ends, and no door leads to it: then it is a bay of what it was cut from.
+    fn is_bay(&self, patch: &Patch) -> bool {
+        let storey = &self.storeys.storeys[patch.storey];
+        let (spots, cut) = (&self.spots[patch.storey], &self.cut[patch.storey]);
+        let low = f64::from(storey.levels[0]);
+        let mut is_cut = false;
+        for &t in &patch.triangles {
+            for (edge, other) in storey.across[t as usize].into_iter().enumerate() {
+                match cut.get(&(t, edge as u8)) {
+                    Some(true) => return false,
+                    Some(false) => is_cut = true,
+                    None if other != NONE => {
+                        let spot = spots[other as usize];
+                        let is_way = matches!(spot.kind, Kind::Opening | Kind::Hole { has_sill: false });
+                        if is_way
+                            && self.metres(spot.range[0] - low) <= SILL
+                            && self.meet(patch.storey, t, edge, other)
+                        {
+                            return false;
+                        }
+                    }
+                    None => {}
+                }
+            }
+        }
+        is_cut
     }
 
     /// How wide a patch is, metres: twice its area by half its border.
@@ -550,23 +578,33 @@ pub(super) struct FoundHole {
     pub(super) mesh: Mesh,
 }
 
-/// The edges of triangles of a plan that lie on lines.
-fn edges_on(storey: &Storey, lines: &[[Point; 2]]) -> BTreeSet<(u32, u8)> {
+/// A line in the plan along which something is cut, lattice units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) ends: [Point; 2],
+    /// It closes a gap in a wall.
+    is_gap: bool,
+}
+
+/// The edges of triangles of a plan that lie on lines, and whether on such that close gaps.
+fn edges_on(storey: &Storey, lines: &[Line]) -> BTreeMap<(u32, u8), bool> {
     /// How far rounding may move a line, lattice units.
     const OFF: f64 = 3.0;
     let point = |p: Point| DVec2::new(f64::from(p.x), f64::from(p.y));
-    let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(point)).collect();
+    let lines: Vec<([DVec2; 2], bool)> =
+        lines.iter().map(|line| (line.ends.map(point), line.is_gap)).collect();
     let is_on = |p: DVec2, [a, b]: [DVec2; 2]| {
         let (length, way) = (a.distance(b), (b - a).normalize_or_zero());
         way.perp_dot(p - a).abs() <= OFF && (-OFF..=length + OFF).contains(&way.dot(p - a))
     };
-    let mut edges = BTreeSet::new();
+    let mut edges = BTreeMap::new();
     for t in 0..if lines.is_empty() { 0 } else { storey.triangles.len() as u32 } {
         let corners = storey.corners(t).map(point);
         for edge in 0..3 {
             let ends = [corners[edge], corners[(edge + 1) % 3]];
-            if lines.iter().any(|line| ends.iter().all(|end| is_on(*end, *line))) {
-                edges.insert((t, edge as u8));
+            let line = lines.iter().find(|line| ends.iter().all(|end| is_on(*end, line.0)));
+            if let Some((_, is_gap)) = line {
+                edges.insert((t, edge as u8), *is_gap);
             }
         }
     }
@@ -579,7 +617,7 @@ impl<'a> Finder<'a> {
         model: &Model,
         roles: &[Role],
         storeys: &'a Storeys,
-        cuts: &[Vec<[Point; 2]>],
+        cuts: &[Vec<Line>],
         options: &DeriveOptions,
     ) -> Finder<'a> {
         let mut finder = Finder::new(model, roles, storeys, cuts);
@@ -621,7 +659,7 @@ pub(super) fn cuts(
     roles: &[Role],
     storeys: &Storeys,
     options: &DeriveOptions,
-) -> Vec<Vec<[Point; 2]>> {
+) -> Vec<Vec<Line>> {
     let mut cuts = vec![Vec::new(); storeys.storeys.len()];
     if options.widest_corridor <= 0.0 {
         return cuts;
@@ -643,7 +681,8 @@ pub(super) fn cuts(
     };
     for (room, lines) in rooms.into_iter().zip(found) {
         let storey = finder.patches[room as usize].storey;
-        cuts[storey].extend(lines.into_iter().map(|line| line.map(point)));
+        cuts[storey]
+            .extend(lines.into_iter().map(|cut| Line { ends: cut.ends.map(point), is_gap: cut.is_gap }));
     }
     cuts
 }
@@ -653,7 +692,7 @@ pub(super) fn find(
     model: &Model,
     roles: &[Role],
     storeys: &Storeys,
-    cuts: &[Vec<[Point; 2]>],
+    cuts: &[Vec<Line>],
     options: &DeriveOptions,
 ) -> Found {
     let finder = Finder::of(model, roles, storeys, cuts, options);
