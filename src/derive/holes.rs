@@ -35,7 +35,7 @@ const ENOUGH: f64 = 0.3;
 
 impl Hole {
     /// The hole around a mesh, if it is in one.
-    pub(super) fn around(corners: &[DVec3], solids: &Solids<'_>) -> Option<Hole> {
+    pub(super) fn around(corners: &[DVec3], solids: &Solids) -> Option<Hole> {
         let bounds = Bounds::of(corners.iter().copied());
         if bounds.is_empty() {
             return None;
@@ -63,8 +63,7 @@ fn directions(near: &Near, bounds: &Bounds) -> Vec<DVec3> {
     let size = bounds.hi - bounds.lo;
     let most = size.max_element() * size.max_element();
     let mut groups: Vec<(DVec3, f64)> = Vec::new();
-    for facet in near.within(bounds) {
-        let [a, b, c] = facet.corners;
+    for [a, b, c] in near.within(bounds) {
         let normal = (b - a).cross(c - a);
         let area = (normal.length() / 2.0).min(most);
         let Some(mut direction) = normal.try_normalize() else { continue };

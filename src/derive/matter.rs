@@ -5,14 +5,7 @@ use std::collections::BTreeMap;
 use enfilade_importers::{ElementId, Model, Role};
 use glam::DVec3;
 
-/// A triangle of a solid element.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Facet {
-    pub(super) corners: [DVec3; 3],
-    pub(super) element: ElementId,
-    lo: DVec3,
-    hi: DVec3,
-}
+use super::index::Index;
 
 /// A box, metres, internal frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +15,31 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
+    /// Of nothing.
+    pub(super) const EMPTY: Bounds = Bounds { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
+
     pub(super) fn of(points: impl IntoIterator<Item = DVec3>) -> Bounds {
-        let empty = Bounds { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
-        points.into_iter().fold(empty, |b, p| Bounds { lo: b.lo.min(p), hi: b.hi.max(p) })
+        points.into_iter().fold(Bounds::EMPTY, |b, p| Bounds { lo: b.lo.min(p), hi: b.hi.max(p) })
+    }
+
+    pub(super) fn union(self, other: &Bounds) -> Bounds {
+        Bounds { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// Whether a line may come to the box: quick, never wrongly no.
+    pub(super) fn may_be_crossed(&self, start: DVec3, direction: DVec3) -> bool {
+        let middle = (self.lo + self.hi) / 2.0 - start;
+        let reach = (self.hi - self.lo) / 2.0;
+        // Across each axis and the line: the box's shadow there, rounding aside.
+        let off = middle.cross(direction).abs();
+        let d = direction.abs();
+        let most = DVec3::new(
+            reach.y * d.z + reach.z * d.y,
+            reach.z * d.x + reach.x * d.z,
+            reach.x * d.y + reach.y * d.x,
+        );
+        let rounding = 1e-12 * (middle.abs().max_element() + reach.max_element()) + 1e-12;
+        off.cmple(most * (1.0 + 1e-9) + rounding).all()
     }
 
     pub(super) fn grown(self, by: f64) -> Bounds {
@@ -44,44 +59,57 @@ impl Bounds {
     }
 }
 
-/// The boxes of a model's solid elements.
-pub(super) struct Solids<'m> {
-    model: &'m Model,
-    boxes: Vec<(ElementId, Bounds)>,
+/// The solid elements of a model.
+pub(super) struct Solids {
+    solids: Vec<Solid>,
+    index: Index,
 }
 
-impl<'m> Solids<'m> {
-    pub(super) fn of(model: &'m Model, roles: &[Role]) -> Solids<'m> {
-        let solid = model.elements.iter().zip(0..).filter(|(_, i)| roles[*i as usize] == Role::Solid);
-        let boxes =
-            solid.map(|(e, i)| (ElementId(i), Bounds::of(e.mesh.positions.iter().map(|&p| p.into()))));
-        Solids { model, boxes: boxes.filter(|(_, bounds)| !bounds.is_empty()).collect() }
-    }
+/// A solid element.
+struct Solid {
+    element: ElementId,
+    bounds: Bounds,
+    /// Its triangles, their boxes, and a tree over these.
+    corners: Vec<[DVec3; 3]>,
+    boxes: Vec<Bounds>,
+    index: Index,
+}
 
-    /// The triangles of all solids that are straight above a place.
-    pub(super) fn above(&self, place: DVec3) -> Near {
-        let column = Bounds { lo: place, hi: DVec3::new(place.x, place.y, f64::INFINITY) };
-        self.gather(&column, |facet| facet.meets(&column))
-    }
-
-    /// All triangles of the solids that come near a box: lines through it may meet the far side of one.
-    pub(super) fn near(&self, bounds: &Bounds) -> Near {
-        self.gather(bounds, |_| true)
-    }
-
-    fn gather(&self, bounds: &Bounds, is_wanted: impl Fn(&Bounds) -> bool) -> Near {
-        let mut facets = Vec::new();
-        for (element, _) in self.boxes.iter().filter(|(_, own)| own.meets(bounds)) {
-            let mesh = &self.model.elements[element.0 as usize].mesh;
-            for triangle in 0..mesh.triangles.len() {
-                let corners = mesh.corners(triangle).map(DVec3::from);
-                let own = Bounds::of(corners);
-                if is_wanted(&own) {
-                    facets.push(Facet { corners, element: *element, lo: own.lo, hi: own.hi });
-                }
+impl Solids {
+    pub(super) fn of(model: &Model, roles: &[Role]) -> Solids {
+        let solid = |i: usize| -> Option<Solid> {
+            let mesh = &model.elements[i].mesh;
+            let bounds = Bounds::of(mesh.positions.iter().map(|&p| p.into()));
+            if roles[i] != Role::Solid || bounds.is_empty() {
+                return None;
             }
-        }
-        Near { facets }
+            let corners: Vec<[DVec3; 3]> =
+                (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle).map(DVec3::from)).collect();
+            let boxes: Vec<Bounds> = corners.iter().map(|corners| Bounds::of(*corners)).collect();
+            let index = Index::new(&boxes);
+            Some(Solid { element: ElementId(i as u32), bounds, corners, boxes, index })
+        };
+        let solids: Vec<Solid> =
+            crate::parallel::map(model.elements.len(), solid).into_iter().flatten().collect();
+        let boxes: Vec<Bounds> = solids.iter().map(|solid| solid.bounds).collect();
+        Solids { solids, index: Index::new(&boxes) }
+    }
+
+    /// The solids that are straight above a place.
+    pub(super) fn above(&self, place: DVec3) -> Near<'_> {
+        self.near(&Bounds { lo: place, hi: DVec3::new(place.x, place.y, f64::INFINITY) })
+    }
+
+    /// The solids that come near a box, with all that they are: lines through it may meet the far side of one.
+    pub(super) fn near(&self, bounds: &Bounds) -> Near<'_> {
+        let mut near = Vec::new();
+        self.index.within(bounds, |i| {
+            if self.solids[i as usize].bounds.meets(bounds) {
+                near.push(i);
+            }
+        });
+        near.sort_unstable();
+        Near { solids: near.into_iter().map(|i| &self.solids[i as usize]).collect() }
     }
 }
 
@@ -93,40 +121,38 @@ pub(super) struct Span {
     pub(super) element: ElementId,
 }
 
-/// The triangles of the solids near some place.
-pub(super) struct Near {
-    facets: Vec<Facet>,
+/// The solids near some place, in their order.
+pub(super) struct Near<'a> {
+    solids: Vec<&'a Solid>,
 }
 
-impl Near {
-    /// The triangles that reach into a box.
-    pub(super) fn within<'a>(&'a self, bounds: &'a Bounds) -> impl Iterator<Item = &'a Facet> + 'a {
-        self.facets.iter().filter(|f| bounds.meets(&Bounds { lo: f.lo, hi: f.hi }))
+impl Near<'_> {
+    /// The triangles that reach into a box, in the order of their elements.
+    pub(super) fn within(&self, bounds: &Bounds) -> Vec<[DVec3; 3]> {
+        let mut found = Vec::new();
+        for solid in &self.solids {
+            let mut own = Vec::new();
+            solid.index.within(bounds, |i| {
+                if solid.boxes[i as usize].meets(bounds) {
+                    own.push(i);
+                }
+            });
+            own.sort_unstable();
+            found.extend(own.into_iter().map(|i| solid.corners[i as usize]));
+        }
+        found
     }
 
     /// Where the line from `start` along `direction` (of unit length) crosses surfaces, in turn: with the element, and 1 where it enters it by the
     /// surface's front, -1 where it leaves.
     fn crossings(&self, start: DVec3, direction: DVec3) -> Vec<(ElementId, f64, i32)> {
         let mut crossings = Vec::new();
-        for facet in &self.facets {
-            if !may_cross(facet, start, direction) {
-                continue;
-            }
-            let [a, b, c] = facet.corners;
-            let normal = (b - a).cross(c - a);
-            let slant = normal.dot(direction);
-            if slant.abs() <= 1e-9 * normal.length() {
-                continue;
-            }
-            let t = normal.dot(a - start) / slant;
-            let point = start + direction * t;
-            let side = |p: DVec3, q: DVec3| (q - p).cross(point - p).dot(normal);
-            if side(a, b) >= 0.0 && side(b, c) >= 0.0 && side(c, a) >= 0.0 {
-                crossings.push((facet.element, t, if slant < 0.0 { 1 } else { -1 }));
-            }
+        for solid in self.solids.iter().filter(|solid| solid.bounds.may_be_crossed(start, direction)) {
+            let first = crossings.len();
+            solid.crossings(start, direction, &mut crossings);
+            crossings[first..].sort_by(|a, b| a.1.total_cmp(&b.1).then(a.2.cmp(&b.2)));
         }
-        crossings.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        crossings
+        crossings.into_iter().map(|(element, t, _, sign)| (element, t, sign)).collect()
     }
 
     /// The matter along a line, by element. An element whose surfaces do not agree about its inside has it between each two.
@@ -173,13 +199,24 @@ impl Near {
     }
 }
 
-/// Whether a line may come near the box of a triangle: quick, never wrongly no.
-fn may_cross(facet: &Facet, start: DVec3, direction: DVec3) -> bool {
-    let middle = (facet.lo + facet.hi) / 2.0 - start;
-    let reach = (facet.hi - facet.lo) / 2.0;
-    // The box's shadow across the line: its distance from the line against its half diagonal.
-    let off = middle - direction * middle.dot(direction);
-    off.length_squared() <= reach.length_squared() * (1.0 + 1e-9) + 1e-18
+impl Solid {
+    /// Adds where a line crosses its surface: with the triangle, and which way.
+    fn crossings(&self, start: DVec3, direction: DVec3, crossings: &mut Vec<(ElementId, f64, u32, i32)>) {
+        self.index.along(start, direction, |i| {
+            let [a, b, c] = self.corners[i as usize];
+            let normal = (b - a).cross(c - a);
+            let slant = normal.dot(direction);
+            if slant.abs() <= 1e-9 * normal.length() {
+                return;
+            }
+            let t = normal.dot(a - start) / slant;
+            let point = start + direction * t;
+            let side = |p: DVec3, q: DVec3| (q - p).cross(point - p).dot(normal);
+            if side(a, b) >= 0.0 && side(b, c) >= 0.0 && side(c, a) >= 0.0 {
+                crossings.push((self.element, t, i, if slant < 0.0 { 1 } else { -1 }));
+            }
+        });
+    }
 }
 
 /// Spans that overlap or have no more than `gap` between them, as one; with how much each element has of it.

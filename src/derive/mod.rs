@@ -5,6 +5,7 @@
 
 mod floors;
 mod holes;
+mod index;
 mod matter;
 mod open_plan;
 mod openings;
