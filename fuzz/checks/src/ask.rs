@@ -2,6 +2,8 @@
 
 use std::hint::black_box;
 
+use enfilade::closing::{ClosingError, Stand};
+use enfilade::export::{cells_glb, faces_obj, graph_dot, graph_json};
 use enfilade::validate::validate;
 use enfilade::{Answer, Hit, Kernel, NONE, Place, Ray, Scene, Start, Want};
 use enfilade_testing::Random;
@@ -18,10 +20,42 @@ pub enum Origin {
     Opened,
 }
 
-/// Reads all tables of `scene`, locates points and traces rays. The scene was opened, so all of it must end, and every
-/// index in an answer must be one of the scene's.
-pub fn everything(scene: &Scene, origin: Origin) {
+/// Reads all tables of `scene`, locates points, traces rays, exports it, and traces rays again with its openings closed and opened. The
+/// scene was opened, so all of it must end, and every index in an answer must be one of the scene's.
+pub fn everything(scene: &mut Scene, origin: Origin) {
     tables(scene);
+    exports(scene);
+    traces(scene, origin);
+    if close(scene) {
+        exports(scene);
+        traces(scene, origin);
+    }
+}
+
+/// Its graph, and all that is written of it.
+fn exports(scene: &Scene) {
+    let graph = scene.graph();
+    assert_eq!(graph.rooms.len(), scene.rooms().len());
+    black_box(graph_json(scene, &graph).len() + graph_dot(scene, &graph).len());
+    black_box(faces_obj(scene, None).len() + cells_glb(scene, 0.2).len());
+}
+
+/// Closes and opens what can be; false if nothing can.
+fn close(scene: &mut Scene) -> bool {
+    let ways = [Stand::SEALED, Stand::CLOSED, Stand::FREE];
+    let mut any = false;
+    for (element, stand) in (0..scene.element_count()).zip(ways.iter().cycle()) {
+        let before = scene.closures().len();
+        match scene.set_stands(&[(element, *stand)]) {
+            Ok(()) => any = true,
+            Err(ClosingError::NoElement(_)) => panic!("element {element} is there"),
+            Err(_) => assert_eq!(scene.closures().len(), before),
+        }
+    }
+    any
+}
+
+fn traces(scene: &Scene, origin: Origin) {
     if let Some(building) = scene.building() {
         let (valid, report) = validate(building);
         assert_eq!(valid.is_some(), !report.is_fatal());
@@ -108,7 +142,8 @@ fn record(scene: &Scene, ray: &Ray, hit: &Hit) {
         Answer::InSolid(element) => assert!(element < scene.element_count()),
         Answer::Hit(hit) => {
             assert!(hit.element < scene.element_count());
-            assert!(hit.triangle < scene.detail_triangle_count());
+            let is_sheet = scene.closed_by(hit.triangle).is_some_and(|own| own < scene.element_count());
+            assert!(hit.triangle < scene.detail_triangle_count() || is_sheet);
             assert!((hit.material as usize) < scene.materials().len());
             assert!((hit.cell as usize) < scene.cells().len());
             assert!(hit.room == NONE || (hit.room as usize) < scene.rooms().len());

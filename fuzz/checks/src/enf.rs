@@ -17,7 +17,7 @@ const MOST_SECTIONS: usize = 64;
 /// Opens `file`, and asks the scene everything if it is one.
 pub fn check(file: &[u8]) {
     match Scene::from_bytes(file) {
-        Ok(scene) => ask::everything(&scene, Origin::Opened),
+        Ok(mut scene) => ask::everything(&mut scene, Origin::Opened),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 }

@@ -33,7 +33,7 @@ pub fn go_on(mut model: Model) {
     let mut options = CompileOptions::default();
     options.limits = limits();
     if let Ok(compiled) = compile(&model, &options) {
-        ask::everything(&compiled.scene(), Origin::Compiled);
+        ask::everything(&mut compiled.scene(), Origin::Compiled);
     }
 }
 
