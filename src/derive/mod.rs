@@ -95,9 +95,9 @@ pub fn complete<'m>(
         && !has(model, |s| matches!(s, Semantic::Door | Semantic::Window | Semantic::Opening));
     let mut model = Cow::Borrowed(model);
     if options.openings {
-        let openings = openings::missing(&model, how.untagged, &mut report);
-        add(&mut model, openings);
+        let openings = openings::missing(&model, how.untagged, &how.watch, &mut report);
         how.watch.check()?;
+        add(&mut model, openings);
     }
     if lacks_rooms || lacks_openings {
         let roles = roles(&model, how.untagged);
@@ -116,6 +116,7 @@ pub fn complete<'m>(
         };
         if lacks_rooms {
             cuts = rooms::cuts(&model, &roles, &storeys, options);
+            how.watch.check()?;
             if cuts.iter().any(|cuts| !cuts.is_empty()) {
                 let lines: Vec<Vec<[Point; 2]>> =
                     cuts.iter().map(|lines| lines.iter().map(|line| line.ends).collect()).collect();
@@ -130,6 +131,7 @@ pub fn complete<'m>(
         // As they were cut: what lies beyond all that carves is no level.
         let names = floors::names(&model, &storeys.levels());
         let found = rooms::find(&model, &roles, &storeys, &cuts, options);
+        how.watch.check()?;
         let mut ids = Ids::of(&model);
         let mut elements = Vec::new();
         if lacks_rooms {

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, Untagged};
+use enfilade_importers::{Element, ElementId, MaterialId, Mesh, Model, Role, Semantic, Untagged, Watch};
 use glam::DVec3;
 
 use super::holes::Hole;
+use super::index::Index;
 use super::matter::{Bounds, Solids};
 use super::{DeriveReport, Ids, derived};
 use crate::roles::roles;
@@ -13,8 +14,13 @@ use crate::roles::roles;
 /// A hole that has so much of another in it is the same: a frame and its panes.
 const SAME: f64 = 0.5;
 
-/// The openings that doors and windows should have and do not.
-pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveReport) -> Vec<Element> {
+/// The openings that doors and windows should have and do not. Of a cancelled watch nothing is made.
+pub(super) fn missing(
+    model: &Model,
+    untagged: Untagged,
+    watch: &Watch,
+    report: &mut DeriveReport,
+) -> Vec<Element> {
     let roles = roles(model, untagged);
     let fillings = unopened(model, &roles);
     if fillings.is_empty() {
@@ -22,17 +28,18 @@ pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveRepo
     }
     let solids = Solids::of(model, &roles);
     let around = |i: usize| {
+        watch.check().ok()?;
         let mesh = &model.elements[fillings[i].0 as usize].mesh;
         let corners: Vec<DVec3> = mesh.positions.iter().map(|&p| p.into()).collect();
         Hole::around(&corners, &solids)
     };
     let holes = crate::parallel::map(fillings.len(), around);
     let mut found: Vec<(ElementId, Hole)> = Vec::new();
-    let openings = opening_boxes(model);
+    let openings = Openings::of(model);
     for (&filling, hole) in fillings.iter().zip(holes) {
         match hole {
             // A door that stands open is elsewhere, and its opening is there all the same.
-            Some(hole) if openings.iter().any(|opening| opening.holds(hole.middle())) => {}
+            Some(hole) if openings.hold(hole.middle()) => {}
             Some(hole) => found.push((filling, hole)),
             None => report.without_hole.push(model.elements[filling.0 as usize].path.clone()),
         }
@@ -45,12 +52,19 @@ pub(super) fn missing(model: &Model, untagged: Untagged, report: &mut DeriveRepo
         let (a, b) = ((rank(a), a.0), (rank(b), b.0));
         a.0.0.cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)).then(a.1.cmp(&b.1))
     });
-    let mut kept: Vec<(ElementId, Hole)> = Vec::new();
-    for (filling, hole) in found {
-        if !kept.iter().any(|(_, other)| hole.share_in(other) > SAME) {
-            kept.push((filling, hole));
-        }
+    let boxes: Vec<Bounds> = found.iter().map(|(_, hole)| hole.bounds()).collect();
+    let index = Index::new(&boxes);
+    let mut is_kept = vec![false; found.len()];
+    for (i, (_, hole)) in found.iter().enumerate() {
+        let mut is_known = false;
+        index.within(&boxes[i], |other| {
+            let other = other as usize;
+            is_known |= is_kept[other] && hole.share_in(&found[other].1) > SAME;
+        });
+        is_kept[i] = !is_known;
     }
+    let mut kept: Vec<(ElementId, Hole)> =
+        found.into_iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(found, _)| found).collect();
     kept.sort_by_key(|(filling, _)| *filling);
     let mut ids = Ids::of(model);
     report.openings += kept.len() as u64;
@@ -63,9 +77,26 @@ fn is_opening(element: &Element) -> bool {
 }
 
 /// The boxes around a model's openings.
-fn opening_boxes(model: &Model) -> Vec<Bounds> {
-    let openings = model.elements.iter().filter(|element| is_opening(element));
-    openings.map(|e| Bounds::of(e.mesh.positions.iter().map(|&p| p.into())).grown(1e-3)).collect()
+struct Openings {
+    boxes: Vec<Bounds>,
+    index: Index,
+}
+
+impl Openings {
+    fn of(model: &Model) -> Openings {
+        let openings = model.elements.iter().filter(|element| is_opening(element));
+        let around = |e: &Element| Bounds::of(e.mesh.positions.iter().map(|&p| p.into())).grown(1e-3);
+        let boxes: Vec<Bounds> = openings.map(around).collect();
+        let index = Index::new(&boxes);
+        Openings { boxes, index }
+    }
+
+    /// Whether a point is in any of them.
+    fn hold(&self, point: DVec3) -> bool {
+        let mut any = false;
+        self.index.within(&Bounds { lo: point, hi: point }, |i| any |= self.boxes[i as usize].holds(point));
+        any
+    }
 }
 
 /// The doors and windows that no opening is there for.
@@ -74,7 +105,7 @@ fn unopened(model: &Model, roles: &[Role]) -> Vec<ElementId> {
         model.elements.iter().filter(|e| is_opening(e)).map(|e| (e.id.as_str(), e)).collect();
     let filled: std::collections::BTreeSet<&str> =
         openings.values().filter_map(|opening| opening.filling.as_deref()).collect();
-    let boxes = opening_boxes(model);
+    let boxes = Openings::of(model);
     let mut unopened = Vec::new();
     for (element, i) in model.elements.iter().zip(0..) {
         let is_filling =
@@ -85,7 +116,7 @@ fn unopened(model: &Model, roles: &[Role]) -> Vec<ElementId> {
         let is_known = element.opening.as_deref().is_some_and(|id| openings.contains_key(id))
             || filled.contains(element.id.as_str());
         let bounds = Bounds::of(element.mesh.positions.iter().map(|&p| p.into()));
-        if !is_known && !boxes.iter().any(|opening| opening.holds((bounds.lo + bounds.hi) / 2.0)) {
+        if !is_known && !boxes.hold((bounds.lo + bounds.hi) / 2.0) {
             unopened.push(ElementId(i));
         }
     }
@@ -107,6 +138,11 @@ impl Hole {
 
     fn corner(&self, at: [usize; 3]) -> DVec3 {
         (0..3).map(|axis| self.axes[axis] * self.range[axis][at[axis]]).sum()
+    }
+
+    /// The box around it.
+    fn bounds(&self) -> Bounds {
+        Bounds::of((0..8).map(|i| self.corner([i & 1, i >> 1 & 1, i >> 2])))
     }
 
     /// The share of it that lies in another, as their boxes along that one's axes say.
