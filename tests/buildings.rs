@@ -452,7 +452,7 @@ fn answers_are_those_of_the_model_as_its_openings_stand() {
                 Err(error) => panic!("{}: {error}", path.display()),
             }
         }
-        let (truth, own) = (standing(&model, &scene), model.elements.len());
+        let (truth, own) = (standing(model.clone(), &scene), model.elements.len());
         let mut roles = roles(&truth, Untagged::default());
         roles[own..].fill(Role::Detail);
         let tracer = |rays: &[Ray], hits: &mut [Hit]| {

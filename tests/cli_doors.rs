@@ -34,8 +34,16 @@ fn closed_openings_join_nothing_in_the_graph() {
     assert_eq!(count(&["--closed", door["filling"].as_str().unwrap()]), by_id);
     let all = count(&["--closed", "all"]);
     assert!(all.1 == openings.len() && all.0 == 0 && all.2 < modelled.2);
-    // What is named itself counts more.
+    // What is named itself counts more, and kinds of openings count more than all, in whatever order.
     assert_eq!(count(&["--closed", "all", "--open", id]).1, openings.len() - 1);
+    let doors = openings.iter().filter(|o| o["semantic"] == "DOOR").count();
+    assert!(doors > 0 && doors < openings.len());
+    assert_eq!(count(&["--closed", "all", "--open", "doors"]).1, openings.len() - doors);
+    assert_eq!(count(&["--open", "all", "--closed", "doors"]).1, doors);
+    for two in [[id, id], [id, door["filling"].as_str().unwrap()], ["doors", "doors"]] {
+        let arguments = ["export", "house.enf", "--graph", "-", "--closed", two[0], "--open", two[1]];
+        folder.run(&arguments).expect_failure(2, &["both open and closed"]);
+    }
 }
 
 #[test]

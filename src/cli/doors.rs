@@ -1,5 +1,7 @@
 //! Openings that a command closes or opens before it does its work.
 
+use std::collections::BTreeMap;
+
 use clap::{Args, ValueEnum};
 use enfilade::Scene;
 use enfilade::closing::{ClosingError, Leaf, Stand};
@@ -16,7 +18,8 @@ pub struct Doors {
     /// doors, windows, openings (without a filling), all. May be repeated.
     #[arg(long, value_name = "ID")]
     closed: Vec<String>,
-    /// Open an opening: its leaf is taken out. Ids as above; what is named itself counts more than groups.
+    /// Open an opening: its leaf is taken out. Ids as above; what is named itself counts more than doors, windows and openings, and these
+    /// more than all.
     #[arg(long = "open", value_name = "ID")]
     open: Vec<String>,
     /// Whether leaves stay where they were modelled; by default those of closed openings do, and those of opened ones do not.
@@ -51,14 +54,22 @@ impl Doors {
                 None => Leaf::In,
             },
         };
-        let (mut groups, mut named) = (Vec::new(), Vec::new());
-        let asked = self.open.iter().map(|id| (id, true)).chain(self.closed.iter().map(|id| (id, false)));
-        for (id, open) in asked {
+        // All, then kinds of openings, then single ones: what is said last of an opening counts.
+        let mut asked: [Asked; 3] = Default::default();
+        for (id, open) in
+            self.open.iter().map(|id| (id, true)).chain(self.closed.iter().map(|id| (id, false)))
+        {
             if let Some(element) = scene.elements().find(|element| element.id() == id.as_str()) {
-                named.push((element.index(), stand(open)));
+                let opening = match element.opening() {
+                    Some(opening) if element.role() != Role::Air => opening,
+                    _ => element.index(),
+                };
+                ask(scene, &mut asked[2], opening, stand(open))?;
             } else if let Some(is_meant) = group(id) {
-                let openings = scene.elements().filter(|e| e.role() == Role::Air && is_meant(e.semantic()));
-                groups.extend(openings.map(|opening| (opening.index(), stand(open))));
+                let level = usize::from(id != "all");
+                for e in scene.elements().filter(|e| e.role() == Role::Air && is_meant(e.semantic())) {
+                    ask(scene, &mut asked[level], e.index(), stand(open))?;
+                }
             } else {
                 let text = format!(
                     "no element has the id '{id}', which is no group either (doors, windows, openings, all)"
@@ -66,7 +77,12 @@ impl Doors {
                 return Err(Failure::usage(text));
             }
         }
-        self.set(scene, groups, named, resources)?;
+        let [all, kinds, named] = asked;
+        let mut groups = all;
+        groups.extend(kinds);
+        let named: Vec<(u32, Stand)> = named.into_iter().collect();
+        set_groups(scene, groups.into_iter().collect(), resources)?;
+        scene.set_stands(&named).map_err(Failure::usage)?;
         let loose: Vec<_> = scene.closures().iter().filter(|closure| closure.sealed < TIGHT).collect();
         if let Some(worst) = loose.iter().min_by(|a, b| a.sealed.total_cmp(&b.sealed)) {
             resources.warn(&[format!(
@@ -79,47 +95,49 @@ impl Doors {
         }
         Ok(())
     }
+}
 
-    /// Groups are closed as far as can be; what is named must be.
-    fn set(
-        &self,
-        scene: &mut Scene,
-        mut groups: Vec<(u32, Stand)>,
-        named: Vec<(u32, Stand)>,
-        resources: &Resources,
-    ) -> Result<(), Failure> {
-        let (mut no_hole, mut solid) = (0, 0);
-        loop {
-            let failed = match scene.set_stands(&groups) {
-                Ok(()) => break,
-                Err(failed) => failed,
-            };
-            let id = match &failed {
-                ClosingError::NoAir(opening) | ClosingError::NoMatter(opening) => {
-                    no_hole += 1;
-                    opening
-                }
-                ClosingError::SolidLeaf { opening, .. } => {
-                    solid += 1;
-                    opening
-                }
-                _ => return Err(Failure::usage(&failed)),
-            };
-            let before = groups.len();
-            groups.retain(|(opening, _)| scene.element(*opening).id() != id.as_str());
-            if groups.len() == before {
-                return Err(Failure::usage(&failed));
-            }
-        }
-        if no_hole > 0 {
-            resources
-                .warn(&[format!("{no_hole} openings are no holes with matter around them and air in them, and are left as they are")]);
-        }
-        if solid > 0 {
-            resources.warn(&[format!("{solid} openings are filled by solids, which cannot be taken out")]);
-        }
-        scene.set_stands(&named).map_err(Failure::usage)
+/// How openings are to stand, by their elements.
+type Asked = BTreeMap<u32, Stand>;
+
+/// Adds that an opening is to stand so, unless something else was asked for in the same breath.
+fn ask(scene: &Scene, asked: &mut Asked, opening: u32, stand: Stand) -> Result<(), Failure> {
+    match asked.insert(opening, stand) {
+        Some(before) if before != stand => Err(Failure::usage(format!(
+            "opening '{}' cannot be both open and closed",
+            scene.element(opening).id()
+        ))),
+        _ => Ok(()),
     }
+}
+
+/// Groups stand as asked for as far as can be; what is named must.
+fn set_groups(scene: &mut Scene, groups: Vec<(u32, Stand)>, resources: &Resources) -> Result<(), Failure> {
+    let failed = scene.set_stands_where_possible(&groups).map_err(Failure::usage)?;
+    let solid = failed.iter().filter(|(_, error)| matches!(error, ClosingError::SolidLeaf { .. }));
+    let solid: Vec<u32> = solid.map(|(opening, _)| *opening).collect();
+    // Their leaves stay, but closed they are.
+    let with_leaf: Vec<(u32, Stand)> = groups
+        .into_iter()
+        .filter(|(opening, stand)| !stand.open && solid.binary_search(opening).is_ok())
+        .map(|(opening, stand)| (opening, Stand { leaf: Leaf::In, ..stand }))
+        .collect();
+    let no_hole = failed.len() - solid.len()
+        + scene.set_stands_where_possible(&with_leaf).map_err(Failure::usage)?.len();
+    let mut warnings = Vec::new();
+    if no_hole > 0 {
+        warnings.push(format!(
+            "{no_hole} openings are no holes with matter around them and air in them, and are left as they are"
+        ));
+    }
+    if !solid.is_empty() {
+        warnings.push(format!(
+            "{} openings are filled by solids, which cannot be taken out and stay in",
+            solid.len()
+        ));
+    }
+    resources.warn(&warnings);
+    Ok(())
 }
 
 /// The openings of a group, by their meaning.

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         }
         arguments.doors.apply(&mut scene, &arguments.resources)?;
         let own = model.elements.len();
-        let model = standing(&model, &scene);
+        let model = standing(model, &scene);
         let mut roles = roles(&model, arguments.reading.untagged.untagged());
         roles[own..].fill(Role::Detail);
         let tracer = |rays: &[Ray], hits: &mut [Hit]| {

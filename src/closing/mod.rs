@@ -117,6 +117,8 @@ pub(crate) struct Closing {
 struct Known {
     cells: BTreeMap<u32, Vec<u32>>,
     leaves: BTreeMap<u32, BTreeSet<u32>>,
+    /// Elements that carve space.
+    carving: BTreeSet<u32>,
 }
 
 impl Known {
@@ -127,6 +129,8 @@ impl Known {
                 known.cells.entry(opening).or_default().push(index as u32);
             }
         }
+        let solids = scene.tables.volumes.iter().filter(|volume| volume.role == Role::Solid as u32);
+        known.carving = solids.map(|volume| volume.element).collect();
         for element in scene.elements() {
             if let Some(leaf) = element.filling() {
                 known.leaves.entry(element.index()).or_default().insert(leaf);
@@ -166,46 +170,90 @@ impl Scene {
     /// The same for many openings at once, which is much quicker than one by one. Of two that are the same, the last counts.
     ///
     /// # Errors
-    /// [`ClosingError`] of the first that fails; then nothing is changed.
+    /// [`ClosingError`] of one that fails; then nothing is changed.
     pub fn set_stands(&mut self, stands: &[(u32, Stand)]) -> Result<(), ClosingError> {
         let known = self.closing.known.take().unwrap_or_else(|| Known::of(self));
-        let result = self.try_set(stands, &known);
+        let result =
+            self.wanted(stands).and_then(|next| match self.failing(&next, &known).into_iter().next() {
+                Some((_, error)) => Err(error),
+                None => {
+                    self.stand_as(next, &known);
+                    Ok(())
+                }
+            });
         self.closing.known = Some(known);
         result
     }
 
-    fn try_set(&mut self, stands: &[(u32, Stand)], known: &Known) -> Result<(), ClosingError> {
+    /// As [`Scene::set_stands`], but those that can stand so do, and the others are left as they are and returned: the opening's element, and
+    /// why.
+    ///
+    /// # Errors
+    /// [`ClosingError`] for what is no opening; then nothing is changed.
+    pub fn set_stands_where_possible(
+        &mut self,
+        stands: &[(u32, Stand)],
+    ) -> Result<Vec<(u32, ClosingError)>, ClosingError> {
+        let known = self.closing.known.take().unwrap_or_else(|| Known::of(self));
+        let result = self.wanted(stands).map(|mut next| {
+            let failing = self.failing(&next, &known);
+            for (opening, _) in &failing {
+                match self.closing.stands.get(opening) {
+                    Some(before) => next.insert(*opening, *before),
+                    None => next.remove(opening),
+                };
+            }
+            self.stand_as(next, &known);
+            failing
+        });
+        self.closing.known = Some(known);
+        result
+    }
+
+    /// How all openings that do not stand as modelled are to stand.
+    fn wanted(&self, stands: &[(u32, Stand)]) -> Result<BTreeMap<u32, Stand>, ClosingError> {
         let mut next = self.closing.stands.clone();
         for &(element, stand) in stands {
-            let opening = self.opening_at(element)?;
-            if stand.leaf == Leaf::Out {
-                self.check_leaves(opening, known)?;
-            }
-            next.insert(opening, stand);
+            next.insert(self.opening_at(element)?, stand);
         }
         next.retain(|_, stand| *stand != Stand::MODELLED);
+        Ok(next)
+    }
+
+    /// Those that cannot stand so.
+    fn failing(&mut self, next: &BTreeMap<u32, Stand>, known: &Known) -> Vec<(u32, ClosingError)> {
         let closed = next.iter().filter(|(_, stand)| !stand.open).map(|(&opening, _)| opening);
         let missing: Vec<u32> = closed.filter(|opening| !self.closing.sheets.contains_key(opening)).collect();
         let found = crate::parallel::map(missing.len(), |i| {
-            let opening = missing[i];
-            let cells = known.cells.get(&opening).map_or(&[][..], Vec::as_slice);
-            sheet::sheet(self, opening, cells, known.leaves.get(&opening))
+            sheet::sheet(self, missing[i], &known.cells, known.leaves.get(&missing[i]))
         });
         self.closing.sheets.extend(missing.into_iter().zip(found));
-        for (&opening, _) in next.iter().filter(|(_, stand)| !stand.open) {
+        let mut failing = Vec::new();
+        for (&opening, stand) in next {
             let id = || self.element(opening).id().to_owned();
+            let leaves = known.leaves.get(&opening).into_iter().flatten();
+            let mut solid = leaves.filter(|leaf| known.carving.contains(leaf));
+            if let (Leaf::Out, Some(&leaf)) = (stand.leaf, solid.next()) {
+                let leaf = self.element(leaf).id().to_owned();
+                failing.push((opening, ClosingError::SolidLeaf { opening: id(), leaf }));
+                continue;
+            }
             match self.closing.sheets.get(&opening) {
+                _ if stand.open => {}
                 Some(Ok(_)) => {}
-                Some(Err(Missing::Matter)) => return Err(ClosingError::NoMatter(id())),
-                Some(Err(Missing::Air)) | None => return Err(ClosingError::NoAir(id())),
+                Some(Err(Missing::Matter)) => failing.push((opening, ClosingError::NoMatter(id()))),
+                Some(Err(Missing::Air)) | None => failing.push((opening, ClosingError::NoAir(id()))),
             }
         }
+        failing
+    }
+
+    fn stand_as(&mut self, next: BTreeMap<u32, Stand>, known: &Known) {
         let out = next.iter().filter(|(_, stand)| stand.leaf == Leaf::Out);
         let hidden: BTreeSet<u32> =
             out.filter_map(|(opening, _)| known.leaves.get(opening)).flatten().copied().collect();
         self.closing.stands = next;
         self.rebuild(&hidden, known);
-        Ok(())
     }
 
     fn sheet_of(&self, opening: u32) -> Option<&Sheet> {
@@ -226,23 +274,6 @@ impl Scene {
             _ if is(element) => Ok(element),
             Some(opening) if is(opening) => Ok(opening),
             _ => Err(ClosingError::NoOpening(view.id().to_owned())),
-        }
-    }
-
-    fn check_leaves(&self, opening: u32, known: &Known) -> Result<(), ClosingError> {
-        let leaves = known.leaves.get(&opening);
-        let carves = |leaf: u32| {
-            let is_solid = |volume: &crate::format::records::VolumeRecord| {
-                volume.element == leaf && volume.role == Role::Solid as u32
-            };
-            self.tables.volumes.iter().any(is_solid)
-        };
-        match leaves.into_iter().flatten().find(|leaf| carves(**leaf)) {
-            Some(&leaf) => Err(ClosingError::SolidLeaf {
-                opening: self.element(opening).id().to_owned(),
-                leaf: self.element(leaf).id().to_owned(),
-            }),
-            None => Ok(()),
         }
     }
 
@@ -305,9 +336,12 @@ impl Scene {
             })
             .collect();
         let ranges = base.apply(&mut self.tables, hidden, &placed);
-        let is_closed = |other: u32| closed.binary_search_by_key(&other, |(opening, _)| *opening).is_ok();
+        let sheet_at = |other: u32| {
+            let place = closed.binary_search_by_key(&other, |(opening, _)| *opening).ok()?;
+            Some(&closed[place].1)
+        };
         for ((opening, sheet), triangles) in closed.iter().zip(ranges) {
-            let sealed = sheet.sealed(is_closed);
+            let sealed = sheet.sealed(sheet_at);
             self.closing.closures.push(Closure { opening: *opening, triangles, area: sheet.area, sealed });
         }
         self.closing.base = Some(base);

@@ -55,6 +55,12 @@ impl Plane {
         Plane { normal, depth, axes: [across, up] }
     }
 
+    /// Whether another is the same plane, to a micrometre.
+    pub(super) fn is_that_of(&self, other: &Plane) -> bool {
+        let turned = self.normal.dot(other.normal);
+        turned.abs() > 1.0 - 1e-9 && (self.depth - turned.signum() * other.depth).abs() < 1e-6
+    }
+
     pub(super) fn at(&self, point: DVec2) -> DVec3 {
         self.normal * self.depth + self.axes[0] * point.x + self.axes[1] * point.y
     }

@@ -28,12 +28,15 @@ pub(super) struct Sheet {
     on_matter: f64,
     /// How much is within other openings of the same hole.
     shared: BTreeMap<u32, f64>,
+    /// Where it stands, along the lattice's axes.
+    plane: Plane,
 }
 
 impl Sheet {
-    /// The share of its outline that is on matter, or on the sheets of other openings that are closed.
-    pub(super) fn sealed(&self, is_closed: impl Fn(u32) -> bool) -> f64 {
-        let shared = self.shared.iter().filter(|(other, _)| is_closed(**other)).map(|(_, length)| length);
+    /// The share of its outline that is on matter, or on sheets of other openings that stand in its plane.
+    pub(super) fn sealed<'a>(&self, closed: impl Fn(u32) -> Option<&'a Sheet>) -> f64 {
+        let is_met = |other: u32| closed(other).is_some_and(|other| self.plane.is_that_of(&other.plane));
+        let shared = self.shared.iter().filter(|(other, _)| is_met(**other)).map(|(_, length)| length);
         if self.outline > 0.0 {
             ((self.on_matter + shared.sum::<f64>()) / self.outline).min(1.0)
         } else {
@@ -75,28 +78,43 @@ pub(super) enum Missing {
     Matter,
 }
 
-/// The sheet of an opening with these cells.
+/// The sheet of an opening; `cells` are those of all openings.
 pub(super) fn sheet(
     scene: &Scene,
     opening: u32,
-    cells: &[u32],
+    cells: &BTreeMap<u32, Vec<u32>>,
     leaves: Option<&BTreeSet<u32>>,
 ) -> Result<Sheet, Missing> {
     let prisms = Prisms::new(&scene.tables);
-    let normal =
-        prisms.turned(way_through(scene, opening).filter(|_| !cells.is_empty()).ok_or(Missing::Air)?);
-    let walls: Vec<Walls> = cells.iter().map(|&cell| Walls::new(&prisms, cell)).collect();
-    let rim = walls.iter().flat_map(|cell| cell.rim(&prisms, normal));
-    let [from, to] = best_depths(rim.collect()).ok_or(Missing::Matter)?;
-    let middle = (from + to) / 2.0;
-    // In one hole with another opening, whose sheet meets it only if both stand in the middle.
-    let is_beside = |part: &Part| {
-        let other = opening_of(&prisms.cells[part.beyond as usize]);
-        other.is_some_and(|other| other != opening) && facing(&part.corners).dot(normal).abs() < ALONG
+    let normal = prisms
+        .turned(way_through(scene, opening).filter(|_| cells.contains_key(&opening)).ok_or(Missing::Air)?);
+    let of = |opening: u32| -> Vec<Walls> {
+        let cells = cells.get(&opening).into_iter().flatten();
+        cells.map(|&cell| Walls::new(&prisms, cell)).collect()
     };
-    let is_shared = walls.iter().flat_map(|cell| &cell.parts).any(is_beside);
+    let walls = of(opening);
+    // Those that share the hole: all of them stand at one depth, so that their sheets meet.
+    let mut hole: BTreeMap<u32, Vec<Rim>> = BTreeMap::new();
+    let mut waiting = vec![opening];
+    while let Some(here) = waiting.pop() {
+        if hole.contains_key(&here) {
+            continue;
+        }
+        let others = if here == opening { None } else { Some(of(here)) };
+        let own = others.as_ref().unwrap_or(&walls);
+        hole.insert(here, own.iter().flat_map(|cell| cell.rim(&prisms, normal)).collect());
+        let beside = own.iter().flat_map(|cell| &cell.parts).filter_map(|part| {
+            let other = opening_of(&prisms.cells[part.beyond as usize])?;
+            (facing(&part.corners).dot(normal).abs() < ALONG).then_some(other)
+        });
+        waiting.extend(beside.filter(|other| !hole.contains_key(other)));
+    }
+    let is_shared = hole.len() > 1;
+    let [from, to] = best_depths(hole.into_values().flatten().collect()).ok_or(Missing::Matter)?;
+    let middle = (from + to) / 2.0;
     let leaves = leaves.filter(|_| !is_shared);
-    let depth = leaves.and_then(|leaves| leaf_depth(scene, &prisms, leaves, normal)).unwrap_or(middle);
+    let leaf = leaves.and_then(|leaves| leaf_depth(scene, &prisms, leaves, normal));
+    let depth = leaf.filter(|depth| (from..=to).contains(depth)).unwrap_or(middle);
     // Not at the very end of the matter around it.
     let inset = (to - from) * 0.1;
     let plane = Plane::new(normal, depth.clamp(from + inset, to - inset));
@@ -127,15 +145,18 @@ fn best_depths(rims: Vec<Rim>) -> Option<[f64; 2]> {
     ends.sort_by(f64::total_cmp);
     ends.dedup_by(|b, a| *b - *a < LEAST_DEPTH);
     let stretches: Vec<[f64; 2]> = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-    let mut around = vec![0.0; stretches.len()];
+    // What begins with a stretch, less what has ended before it.
+    let mut around = vec![0.0; stretches.len() + 1];
+    let after = |depth: f64| stretches.partition_point(|stretch| (stretch[0] + stretch[1]) / 2.0 < depth);
     for (from, to, length) in rims {
-        let first = stretches.partition_point(|stretch| (stretch[0] + stretch[1]) / 2.0 < from);
-        for (stretch, around) in stretches[first..].iter().zip(&mut around[first..]) {
-            if (stretch[0] + stretch[1]) / 2.0 > to {
-                break;
-            }
-            *around += length;
-        }
+        around[after(from)] += length;
+        around[after(to)] -= length;
+    }
+    around.pop();
+    let mut sum = 0.0;
+    for own in &mut around {
+        sum += *own;
+        *own = sum;
     }
     let most = (0..around.len()).max_by(|&a, &b| {
         let length = |i: usize| stretches[i][1] - stretches[i][0];
@@ -254,10 +275,19 @@ impl Outline<'_> {
                     }
                 }
             }
-            let polygon = self.plane.within(self.around(walls.cell), spaces);
+            // No farther than that around an acute corner either.
+            let own = self.plane.within(self.around(walls.cell), walls.spaces.iter().copied());
+            let polygon = self.plane.within(boxed(&own, deep), spaces);
             self.fan(&polygon, &mut triangles);
         }
-        (!triangles.is_empty()).then_some(Sheet { triangles, area: area_sum, outline, on_matter, shared })
+        (!triangles.is_empty()).then_some(Sheet {
+            triangles,
+            area: area_sum,
+            outline,
+            on_matter,
+            shared,
+            plane: self.plane,
+        })
     }
 
     /// The parts of a cell's surface that the plane crosses.
@@ -331,6 +361,13 @@ impl Outline<'_> {
             triangles.push([corner(polygon[0]), corner(pair[0]), corner(pair[1])]);
         }
     }
+}
+
+/// The box around a polygon, `by` larger on all sides.
+fn boxed(polygon: &[DVec2], by: f64) -> Vec<DVec2> {
+    let bounds =
+        polygon.iter().fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)]);
+    square([bounds[0] - by, bounds[1] + by])
 }
 
 fn square([lo, hi]: [DVec2; 2]) -> Vec<DVec2> {

@@ -106,7 +106,24 @@ pub fn complete<'m>(
             return Ok((model, report));
         }
         let mut cuts = Vec::new();
-        let mut storeys = match storeys(&model, &floors, &[], how) {
+        let mut storeys = storeys(&model, &floors, &[], how);
+        if let (Ok(whole), true) = (&storeys, lacks_rooms) {
+            cuts = rooms::cuts(&model, &roles, whole, options);
+            how.watch.check()?;
+        }
+        if cuts.iter().any(|cuts| !cuts.is_empty()) {
+            let lines: Vec<Vec<[Point; 2]>> =
+                cuts.iter().map(|lines| lines.iter().map(|line| line.ends).collect()).collect();
+            // One at a time: each may take all the memory that there is.
+            drop(storeys);
+            storeys = self::storeys(&model, &floors, &lines, how);
+            if !matches!(storeys, Ok(_) | Err(PartitionError::Cancelled(_))) {
+                // Rooms are found that way, too, if fewer.
+                cuts.clear();
+                storeys = self::storeys(&model, &floors, &[], how);
+            }
+        }
+        let storeys = match storeys {
             Ok(storeys) => storeys,
             Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
             Err(failed) => {
@@ -114,20 +131,6 @@ pub fn complete<'m>(
                 return Ok((model, report));
             }
         };
-        if lacks_rooms {
-            cuts = rooms::cuts(&model, &roles, &storeys, options);
-            how.watch.check()?;
-            if cuts.iter().any(|cuts| !cuts.is_empty()) {
-                let lines: Vec<Vec<[Point; 2]>> =
-                    cuts.iter().map(|lines| lines.iter().map(|line| line.ends).collect()).collect();
-                match self::storeys(&model, &floors, &lines, how) {
-                    Ok(cut) => storeys = cut,
-                    Err(PartitionError::Cancelled(cancelled)) => return Err(cancelled),
-                    // Rooms are found that way, too, if fewer.
-                    Err(_) => cuts.clear(),
-                }
-            }
-        }
         // As they were cut: what lies beyond all that carves is no level.
         let names = floors::names(&model, &storeys.levels());
         let found = rooms::find(&model, &roles, &storeys, &cuts, options);

@@ -121,7 +121,8 @@ fn walls(border: &[([u32; 2], [DVec2; 2])]) -> Vec<Wall> {
     let way = |i: usize| (border[i].1[1] - border[i].1[0]).normalize_or_zero();
     let is_straight =
         |i: usize, j: usize| way(i).perp_dot(way(j)).abs() < 0.5 * IN_LINE && way(i).dot(way(j)) > 0.0;
-    // Pieces that go on straight are one wall, from where one begins that the one before does not lead straight to.
+    // Pieces that go on straight are one wall, from where one begins that the one before does not lead straight to; of a ring without a
+    // beginning, from anywhere.
     let mut is_led_to = vec![false; border.len()];
     for i in 0..border.len() {
         if let Some(j) = next(i).filter(|&j| is_straight(i, j)) {
@@ -129,17 +130,26 @@ fn walls(border: &[([u32; 2], [DVec2; 2])]) -> Vec<Wall> {
         }
     }
     let mut wall_at = vec![None; border.len()];
+    let mut is_seen = vec![false; border.len()];
     let mut walls = Vec::new();
     let mut lasts = Vec::new();
-    for first in (0..border.len()).filter(|&i| !is_led_to[i]) {
-        let mut last = first;
-        while let Some(j) = next(last).filter(|&j| is_straight(last, j) && j != first) {
-            last = j;
+    let beginnings = (0..border.len()).filter(|&i| !is_led_to[i]);
+    for beginning in beginnings.chain(0..border.len()) {
+        let mut at = Some(beginning);
+        // What turns little by little is a wall again and again.
+        while let Some(first) = at.filter(|&i| !is_seen[i]) {
+            let mut last = first;
+            is_seen[first] = true;
+            at = next(first).filter(|&j| is_straight(first, j));
+            while let Some(j) = at.filter(|&j| !is_seen[j] && is_straight(first, j)) {
+                (is_seen[j], last) = (true, j);
+                at = next(j).filter(|&k| is_straight(j, k));
+            }
+            wall_at[first] = Some(walls.len());
+            let (from, to) = (border[first].1[0], border[last].1[1]);
+            walls.push(Wall { from, to, way: (to - from).normalize_or_zero(), next: None });
+            lasts.push(last);
         }
-        wall_at[first] = Some(walls.len());
-        let (from, to) = (border[first].1[0], border[last].1[1]);
-        walls.push(Wall { from, to, way: (to - from).normalize_or_zero(), next: None });
-        lasts.push(last);
     }
     for (wall, last) in walls.iter_mut().zip(lasts) {
         wall.next = next(last).and_then(|j| wall_at[j]);
@@ -162,16 +172,37 @@ fn corners(walls: &[Wall]) -> Vec<Corner> {
 
 /// The corners that are no farther from a point than `reach` along x; they ascend there.
 fn near(corners: &[Corner], point: DVec2, reach: f64) -> &[Corner] {
+    let reach = reach.max(0.0);
     let first = corners.partition_point(|corner| corner.at.x < point.x - reach);
     let end = corners.partition_point(|corner| corner.at.x <= point.x + reach);
     &corners[first..end]
 }
 
+/// By wall: whether it is of something small that stands free.
+fn columns(walls: &[Wall]) -> Vec<bool> {
+    let mut is_column = vec![false; walls.len()];
+    let mut is_seen = vec![false; walls.len()];
+    for first in 0..walls.len() {
+        let (mut around, mut twice, mut at) = (Vec::new(), 0.0, Some(first));
+        while let Some(i) = at.filter(|&i| !std::mem::replace(&mut is_seen[i], true)) {
+            around.push(i);
+            twice += (walls[i].from - walls[first].from).perp_dot(walls[i].to - walls[first].from);
+            at = walls[i].next;
+        }
+        // What a place is around lies on the right of its border.
+        if at == Some(first) && twice < 0.0 && -twice < 2.0 * COLUMN {
+            around.into_iter().for_each(|i| is_column[i] = true);
+        }
+    }
+    is_column
+}
+
 /// Gaps between walls in one line.
 fn gaps(walls: &[Wall], corners: &[Corner], raster: &Raster, widest: f64) -> Vec<[DVec2; 2]> {
+    let is_column = columns(walls);
     let length = |wall: usize| walls[wall].from.distance(walls[wall].to);
     let mut found: Vec<[DVec2; 2]> = Vec::new();
-    for one in corners.iter().filter(|one| length(one.before) >= WALL) {
+    for one in corners.iter().filter(|one| length(one.before) >= WALL && !is_column[one.before]) {
         let way = walls[one.before].way;
         let goes_on = |other: &&Corner| {
             let (gap, across) = (other.at - one.at, walls[other.after].way);
@@ -182,6 +213,7 @@ fn gaps(walls: &[Wall], corners: &[Corner], raster: &Raster, widest: f64) -> Vec
                 && across.dot(way) > 0.0
                 && across.perp_dot(way).abs() < IN_LINE
                 && length(other.after) >= WALL
+                && !is_column[other.after]
         };
         let nearest = near(corners, one.at, widest)
             .iter()
@@ -351,6 +383,35 @@ mod tests {
         assert!(cuts(&place(&[[0, 0, 10, 9], [8, 9, 10, 14]]), HOW).is_empty());
         // Wider than a hole.
         assert!(cuts(&place(&[[0, 0, 12, 5], [4, 5, 8, 6], [0, 6, 12, 12]]), HOW).is_empty());
+    }
+
+    #[test]
+    fn columns_are_no_walls() {
+        // A hall of 16 by 16 m with a column of 1 m2 every 4 m.
+        let mut boxes = Vec::new();
+        for y in 0..16 {
+            for x in 0..16 {
+                if x % 4 != 3 || y % 4 != 3 || x == 15 || y == 15 {
+                    boxes.push([x, y, x + 1, y + 1]);
+                }
+            }
+        }
+        assert!(cuts(&place(&boxes), HOW).is_empty());
+        // Walls of 2 m in their places are walls.
+        let mut split = vec![[0, 0, 12, 6], [0, 7, 12, 13]];
+        split.extend([[2, 6, 4, 7], [6, 6, 8, 7], [10, 6, 12, 7]]);
+        assert!(!cuts(&place(&split), HOW).is_empty());
+    }
+
+    #[test]
+    fn round_walls_have_no_long_straight_ones() {
+        let count = 720;
+        let at = |i: u32| DVec2::from_angle(f64::from(i) / f64::from(count) * std::f64::consts::TAU) * 8.0;
+        let border: Vec<([u32; 2], [DVec2; 2])> =
+            (0..count).map(|i| ([i, (i + 1) % count], [at(i), at((i + 1) % count)])).collect();
+        let walls = walls(&border);
+        assert!(walls.len() > 60, "{}", walls.len());
+        assert!(walls.iter().all(|wall| wall.from.distance(wall.to) < 1.0 && wall.next.is_some()));
     }
 
     #[test]

@@ -57,16 +57,34 @@ impl Raster {
         self.low + DVec2::new(x, y) * self.step
     }
 
-    fn fill(&mut self, [a, b, c]: &[DVec2; 3]) {
-        let [from, to] = [a.min(*b).min(*c), a.max(*b).max(*c)].map(|p| (p - self.low) / self.step);
-        let range = |from: f64, to: f64, size: usize| (from.max(0.0) as usize)..((to as usize) + 1).min(size);
-        for y in range(from.y, to.y, self.size[1]) {
-            for x in range(from.x, to.x, self.size[0]) {
-                let i = y * self.size[0] + x;
-                let p = self.middle(i);
-                let is_left = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a) >= 0.0;
-                self.inside[i] |= is_left(*a, *b) && is_left(*b, *c) && is_left(*c, *a);
+    /// Row by row: from where to where the triangle is at the middle of each.
+    fn fill(&mut self, triangle: &[DVec2; 3]) {
+        let corners = triangle.map(|p| (p - self.low) / self.step);
+        let [from, to] =
+            [corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])];
+        let row = |y: f64| (y.max(0.0) as usize).min(self.size[1]);
+        for y in row(from.y)..row(to.y + 1.0) {
+            let middle = y as f64 + 0.5;
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for i in 0..3 {
+                let (p, q) = (corners[i], corners[(i + 1) % 3]);
+                if p.y.min(q.y) <= middle && middle <= p.y.max(q.y) {
+                    let along = if p.y == q.y { 0.0 } else { (middle - p.y) / (q.y - p.y) };
+                    let x = p.x + (q.x - p.x) * along;
+                    (left, right) = (left.min(x), right.max(x));
+                    if p.y == q.y {
+                        (left, right) = (left.min(q.x), right.max(q.x));
+                    }
+                }
             }
+            if left > right {
+                continue;
+            }
+            // Squares whose middles are between.
+            let column = |x: f64| (x.max(0.0) as usize).min(self.size[0]);
+            let range = column((left - 0.5).ceil())..column((right - 0.5).floor() + 1.0);
+            self.inside[y * self.size[0] + range.start..y * self.size[0] + range.end.max(range.start)]
+                .fill(true);
         }
     }
 

@@ -11,8 +11,7 @@ use crate::trace::Hit;
 ///
 /// # Panics
 /// If the scene was compiled from another model.
-pub fn standing(model: &Model, scene: &Scene) -> Model {
-    let mut model = model.clone();
+pub fn standing(mut model: Model, scene: &Scene) -> Model {
     let is_out = |opening: u32| scene.stand(opening).leaf == Leaf::Out;
     for element in scene.elements() {
         let filling = element.filling().filter(|_| is_out(element.index()));
