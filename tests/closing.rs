@@ -6,7 +6,9 @@ use enfilade::generate::{
     Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
 };
 use enfilade::graph::{OpeningNode, Side};
-use enfilade::importers::{Model, Role, Semantic};
+use enfilade::importers::{
+    Frame, Material, MaterialId, Model, ModelBuilder, NewElement, Role, Semantic, UpAxis,
+};
 use enfilade::roles::roles;
 use enfilade::verify::{standing, tell_sheets};
 use enfilade::{Answer, CompileOptions, Hit, Place, Ray, Scene, Start, VerifyOptions, Want, compile, verify};
@@ -220,4 +222,89 @@ fn what_cannot_be_closed_is_said() {
     assert!(matches!(plain.set_open(door, false, Leaf::In), Err(ClosingError::NoAir(_))));
     plain.set_open(door, true, Leaf::Out).unwrap();
     check(&model, &plain, 2_000, "without cells");
+}
+
+/// A model of boxes.
+struct Boxes(ModelBuilder, MaterialId);
+
+impl Boxes {
+    /// Two rooms of 6 by 4 m, with floor, roof and walls around; between them, from y = 4 to 4.3 m, whatever comes.
+    fn two_rooms() -> Boxes {
+        let mut builder = ModelBuilder::new("boxes", Frame { up: UpAxis::Z, ..Frame::default() });
+        let material = builder.material(Material::default());
+        let mut boxes = Boxes(builder, material);
+        boxes.add("floor", Semantic::Ground, [-0.3, -0.3, -0.3], [6.3, 8.6, 0.0], None);
+        boxes.add("roof", Semantic::Roof, [-0.3, -0.3, 3.0], [6.3, 8.6, 3.3], None);
+        boxes.add("south", Semantic::Wall, [-0.3, -0.3, 0.0], [6.3, 0.0, 3.0], None);
+        boxes.add("north", Semantic::Wall, [-0.3, 8.3, 0.0], [6.3, 8.6, 3.0], None);
+        boxes.add("west", Semantic::Wall, [-0.3, 0.0, 0.0], [0.0, 8.3, 3.0], None);
+        boxes.add("east", Semantic::Wall, [6.0, 0.0, 0.0], [6.3, 8.3, 3.0], None);
+        boxes.add("one", Semantic::Room, [0.0, 0.0, 0.0], [6.0, 4.0, 3.0], None);
+        boxes.add("other", Semantic::Room, [0.0, 4.3, 0.0], [6.0, 8.3, 3.0], None);
+        boxes
+    }
+
+    fn add(&mut self, id: &str, semantic: Semantic, lo: [f64; 3], hi: [f64; 3], opening: Option<&str>) {
+        let element =
+            NewElement { name: id.into(), opening: opening.map(Into::into), ..NewElement::default() };
+        let element = self.0.element(element).unwrap();
+        self.0.semantic(element, semantic);
+        let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { hi[axis] } else { lo[axis] });
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        for [a, b, c, d] in quads.map(|quad: [usize; 4]| quad.map(corner)) {
+            self.0.triangle(element, [a, b, c], self.1).unwrap();
+            self.0.triangle(element, [a, c, d], self.1).unwrap();
+        }
+    }
+
+    fn scene(self) -> Scene {
+        scene(&self.0.finish().unwrap())
+    }
+}
+
+/// Closes some openings; returns where their sheets stand along y.
+fn depths(scene: &mut Scene, ids: &[&str]) -> Vec<f64> {
+    let all: Vec<(u32, Stand)> =
+        scene.elements().filter(|e| ids.contains(&e.id())).map(|e| (e.index(), Stand::SEALED)).collect();
+    scene.set_stands(&all).unwrap();
+    assert!(scene.closures().iter().all(|closure| closure.sealed > 0.999), "{:?}", scene.closures());
+    scene.closures().iter().map(|closure| scene.triangle(closure.triangles.start)[0][1]).collect()
+}
+
+#[test]
+fn sheets_of_one_hole_meet_whatever_their_openings_depth() {
+    for label in [[4.0, 4.3], [4.1, 4.3], [4.0, 4.2]] {
+        let mut boxes = Boxes::two_rooms();
+        boxes.add("a", Semantic::Wall, [0.0, 4.0, 0.0], [1.0, 4.3, 3.0], None);
+        boxes.add("b", Semantic::Wall, [4.0, 4.0, 0.0], [6.0, 4.3, 3.0], None);
+        boxes.add("lintel", Semantic::Wall, [1.0, 4.0, 2.0], [4.0, 4.3, 3.0], None);
+        boxes.add("sill", Semantic::Wall, [2.0, 4.0, 0.0], [4.0, 4.3, 1.0], None);
+        boxes.add("door", Semantic::Door, [1.0, 4.0, 0.0], [2.0, 4.3, 2.0], None);
+        boxes.add("window", Semantic::Window, [2.0, label[0], 1.0], [4.0, label[1], 2.0], None);
+        let mut scene = boxes.scene();
+        let depths = depths(&mut scene, &["door", "window"]);
+        assert!(depths.len() == 2 && (depths[0] - depths[1]).abs() < 1e-6, "{label:?}: {depths:?}");
+        let mut number = numbers(11);
+        for _ in 0..50_000 {
+            let from = [6.0 * number(), 4.0 * number(), 3.0 * number()];
+            let to = [6.0 * number(), 4.3 + 4.0 * number(), 3.0 * number()];
+            let way = [0, 1, 2].map(|i| to[i] - from[i]);
+            let length = way.iter().map(|c| c * c).sum::<f64>().sqrt();
+            assert!(scene.occluded(&Ray::segment(from, way, 0.0, length)), "{label:?}: {from:?} {to:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sheet_stands_in_the_plane_of_a_leaf_within_the_hole_only() {
+    for (leaf, expected) in [([4.05, 4.09], 4.07), ([3.9, 3.95], 4.15), ([3.2, 4.05], 4.15)] {
+        let mut boxes = Boxes::two_rooms();
+        boxes.add("a", Semantic::Wall, [0.0, 4.0, 0.0], [1.0, 4.3, 3.0], None);
+        boxes.add("b", Semantic::Wall, [2.0, 4.0, 0.0], [6.0, 4.3, 3.0], None);
+        boxes.add("lintel", Semantic::Wall, [1.0, 4.0, 2.0], [2.0, 4.3, 3.0], None);
+        boxes.add("door", Semantic::Door, [1.0, 4.0, 0.0], [2.0, 4.3, 2.0], None);
+        boxes.add("leaf", Semantic::DoorLeaf, [1.0, leaf[0], 0.0], [2.0, leaf[1], 2.0], Some("door"));
+        let depths = depths(&mut boxes.scene(), &["door"]);
+        assert!((depths[0] - expected).abs() < 1e-4, "{leaf:?}: {depths:?}");
+    }
 }
