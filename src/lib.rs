@@ -55,6 +55,7 @@ pub mod arbitrary;
 pub mod bench;
 #[cfg(feature = "compile")]
 pub mod building;
+mod clip;
 pub mod closing;
 #[cfg(feature = "compile")]
 pub mod compile;

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::clip::keep_below;
 use crate::format::records::CellRecord;
 use crate::graph::{cut, footprint};
 use crate::trace::Prisms;
@@ -102,21 +103,6 @@ pub(super) fn crossing(corners: &[DVec3], plane: &Plane) -> Option<[DVec3; 2]> {
 
 /// Whether a triangle comes into a prism whose planes are moved outward by `margin`; it may say so at sharp corners, too.
 pub(super) fn touches(spaces: &[HalfSpace], corners: [DVec3; 3], margin: f64) -> bool {
-    let mut polygon = corners.to_vec();
-    for space in spaces {
-        let over = |p: DVec3| space.over(p) - margin;
-        let mut next = Vec::with_capacity(polygon.len() + 1);
-        for (i, &p) in polygon.iter().enumerate() {
-            let q = polygon[(i + 1) % polygon.len()];
-            let (here, there) = (over(p), over(q));
-            if here <= 0.0 {
-                next.push(p);
-            }
-            if (here <= 0.0) != (there <= 0.0) {
-                next.push(p + (q - p) * (here / (here - there)).clamp(0.0, 1.0));
-            }
-        }
-        polygon = next;
-    }
-    !polygon.is_empty()
+    let (mut polygon, mut next) = (corners.to_vec(), Vec::new());
+    spaces.iter().all(|space| keep_below(&mut polygon, &mut next, space.normal, space.offset + margin))
 }

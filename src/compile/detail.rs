@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 
 use super::cell_grid::CellGrid;
+use crate::clip::keep_below;
 use crate::format::Tables;
 use crate::format::records::{CellRecord, PlaneRecord};
 use crate::trace::to_lattice;
@@ -157,23 +158,7 @@ fn touches(
 ) -> bool {
     polygon.clear();
     polygon.extend(corners);
-    let mut clip = |normal: DVec3, offset: f64| {
-        // What is kept: normal . p <= offset.
-        next.clear();
-        let over = |p: DVec3| normal.dot(p) - offset;
-        for (i, &p) in polygon.iter().enumerate() {
-            let q = polygon[(i + 1) % polygon.len()];
-            let (here, there) = (over(p), over(q));
-            if here <= 0.0 {
-                next.push(p);
-            }
-            if (here <= 0.0) != (there <= 0.0) {
-                next.push(p + (q - p) * (here / (here - there)).clamp(0.0, 1.0));
-            }
-        }
-        std::mem::swap(polygon, next);
-        !polygon.is_empty()
-    };
+    let mut clip = |normal: DVec3, offset: f64| keep_below(polygon, next, normal, offset);
     for (plane, up) in [(cell.floor, -1.0), (cell.ceiling, 1.0)] {
         let PlaneRecord { slope: [p, q], height } = tables.planes[plane as usize];
         let size = (1.0 + p * p + q * q).sqrt();
