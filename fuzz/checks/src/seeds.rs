@@ -345,7 +345,7 @@ pub fn enf() -> Seeds {
             &[(Semantic::Glass, 1), (Semantic::Window, 1), (Semantic::WindowFrame, 1)],
         ),
         scene("map", true, true, &[(Semantic::Window, 1)]),
-        scene("hole", true, false, &[(Semantic::Door, 1), (Semantic::Wall, 2)]),
+        scene("hole", true, false, &[(Semantic::Door, 1), (Semantic::Wall, 1)]),
     ]
 }
 
