@@ -290,9 +290,14 @@ impl Scene {
 
     /// The opening that a triangle closes, as index of its element; `None` if it is one of the model's own.
     pub fn closed_by(&self, triangle: u32) -> Option<u32> {
+        self.closure_at(triangle).map(|place| self.closing.closures[place].opening)
+    }
+
+    /// The place in [`Scene::closures`] of the sheet that a triangle is of.
+    pub(crate) fn closure_at(&self, triangle: u32) -> Option<usize> {
         let closures = &self.closing.closures;
-        let after = closures.partition_point(|closure| closure.triangles.end <= triangle);
-        closures.get(after).filter(|closure| closure.triangles.contains(&triangle)).map(|c| c.opening)
+        let place = closures.partition_point(|closure| closure.triangles.end <= triangle);
+        closures.get(place).is_some_and(|closure| closure.triangles.contains(&triangle)).then_some(place)
     }
 
     /// What rays meet on a sheet of an opening: the element, and its material.

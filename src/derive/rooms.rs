@@ -4,18 +4,24 @@
 //! lowest layer of air that is high enough. It is *free*, or a *hole* in a wall: above it a lintel, or below it a sill, which are walls; or an
 //! opening that is tagged or was found. Free triangles that hang together are a room, unless they reach the open.
 
+mod cutting;
+mod halls;
+mod meshes;
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use enfilade_importers::{ElementId, MaterialId, Mesh, Model, Role, Semantic};
-use glam::{DVec2, DVec3};
+use enfilade_importers::{ElementId, Mesh, Model, Role, Semantic};
+use glam::DVec3;
 
 use super::DeriveOptions;
 use super::matter::Solids;
-use super::open_plan::{self, Cutting, LEAST_PIECE, Place};
+use super::open_plan::LEAST_PIECE;
 use super::passage::{Ground, Union, is_wide};
-use crate::graph::{area, clipped};
-use crate::lattice::{FINE, Lattice, Plane, Point, double_area};
+use crate::lattice::{Plane, Point, double_area};
 use crate::partition::storeys::{NONE, Storey, Storeys};
+use cutting::edges_on;
+pub(super) use cutting::{Line, cuts};
+use meshes::{Reach, append};
 
 /// Air lower than this is none to stand in, metres.
 const LOW: f64 = 0.4;
@@ -35,11 +41,6 @@ const THINNEST: f64 = 0.05;
 const NARROWEST: f64 = 0.4;
 /// A room's walls are no lower than this, metres, over most of it.
 const LOWEST: f64 = 1.2;
-/// Where more of a storey than this has no floor, floors were not modelled.
-const BARE: f64 = 0.6;
-/// Between two storeys there is one room if so much of the one's area and of the other's is open between them.
-const OPEN: f64 = 0.85;
-
 /// What a triangle of the plan is to those who look for rooms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -492,71 +493,6 @@ fn middle(corners: [Point; 3]) -> [f64; 2] {
     [sum(|p| p.x), sum(|p| p.y)]
 }
 
-/// From where to where a piece of a room is: lattice planes that may lie within matter, which takes its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Reach {
-    low: Plane,
-    high: Plane,
-}
-
-impl Finder<'_> {
-    fn reach(&self, storey: usize, triangle: u32) -> Reach {
-        let of = &self.storeys.storeys[storey];
-        let stack = of.stack(triangle);
-        let [low, high] = of.levels.map(Plane::level);
-        let at = self.spots[storey][triangle as usize].layer;
-        let is_air =
-            |i: usize| matches!(self.fills[storey][stack[i].set as usize], Fill::Air | Fill::Opening);
-        let below = (0..at).rev().find(|&i| !is_air(i)).is_some_and(|i| (0..i).any(is_air));
-        let above = (at..stack.len()).find(|&i| !is_air(i)).is_some_and(|i| (i..stack.len()).any(is_air));
-        // The layers of air around it that are one with it.
-        let first = (0..=at).rev().take_while(|&i| is_air(i)).last().unwrap_or(at);
-        let last = (at..stack.len()).take_while(|&i| is_air(i)).last().unwrap_or(at);
-        Reach {
-            low: if below { stack[first].floor } else { low },
-            high: if above { stack[last].ceiling } else { high },
-        }
-    }
-
-    /// Triangles between planes as one closed mesh.
-    fn mesh(&self, patch: &Patch, reach: impl Fn(u32) -> Reach) -> Mesh {
-        let storey = &self.storeys.storeys[patch.storey];
-        let lattice = &self.storeys.lattice;
-        let mut groups: BTreeMap<Reach, BTreeSet<u32>> = BTreeMap::new();
-        for &t in &patch.triangles {
-            groups.entry(reach(t)).or_default().insert(t);
-        }
-        let mut mesh = Mesh::default();
-        for (reach, triangles) in groups {
-            let mut index: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
-            let mut corner = |mesh: &mut Mesh, v: u32| {
-                *index.entry(v).or_insert_with(|| {
-                    [reach.low, reach.high].map(|plane| {
-                        let p = storey.points[v as usize];
-                        let z = plane.height(p) as f64 / FINE as f64;
-                        mesh.positions.push(lattice.metres([f64::from(p.x), f64::from(p.y), z]));
-                        mesh.positions.len() as u32 - 1
-                    })
-                })
-            };
-            for &t in &triangles {
-                let [a, b, c] = storey.triangles[t as usize].map(|v| corner(&mut mesh, v));
-                mesh.triangles.push([a[1], b[1], c[1]]);
-                mesh.triangles.push([a[0], c[0], b[0]]);
-                for i in 0..3 {
-                    if !triangles.contains(&storey.across[t as usize][i]) {
-                        let [a, b] =
-                            [i, (i + 1) % 3].map(|i| corner(&mut mesh, storey.triangles[t as usize][i]));
-                        mesh.triangles.extend([[a[0], b[0], b[1]], [a[0], b[1], a[1]]]);
-                    }
-                }
-            }
-        }
-        mesh.materials = vec![MaterialId(0); mesh.triangles.len()];
-        mesh
-    }
-}
-
 /// The rooms and openings of a model as they were found: by storey, in the plan from the upper left to the lower right.
 pub(super) struct Found {
     pub(super) rooms: Vec<FoundRoom>,
@@ -578,39 +514,6 @@ pub(super) struct FoundHole {
     pub(super) mesh: Mesh,
 }
 
-/// A line in the plan along which something is cut, lattice units.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub(super) ends: [Point; 2],
-    /// It closes a gap in a wall.
-    is_gap: bool,
-}
-
-/// The edges of triangles of a plan that lie on lines, and whether on such that close gaps.
-fn edges_on(storey: &Storey, lines: &[Line]) -> BTreeMap<(u32, u8), bool> {
-    /// How far rounding may move a line, lattice units.
-    const OFF: f64 = 3.0;
-    let point = |p: Point| DVec2::new(f64::from(p.x), f64::from(p.y));
-    let lines: Vec<([DVec2; 2], bool)> =
-        lines.iter().map(|line| (line.ends.map(point), line.is_gap)).collect();
-    let is_on = |p: DVec2, [a, b]: [DVec2; 2]| {
-        let (length, way) = (a.distance(b), (b - a).normalize_or_zero());
-        way.perp_dot(p - a).abs() <= OFF && (-OFF..=length + OFF).contains(&way.dot(p - a))
-    };
-    let mut edges = BTreeMap::new();
-    for t in 0..if lines.is_empty() { 0 } else { storey.triangles.len() as u32 } {
-        let corners = storey.corners(t).map(point);
-        for edge in 0..3 {
-            let ends = [corners[edge], corners[(edge + 1) % 3]];
-            let line = lines.iter().find(|line| ends.iter().all(|end| is_on(*end, line.0)));
-            if let Some((_, is_gap)) = line {
-                edges.insert((t, edge as u8), *is_gap);
-            }
-        }
-    }
-    edges
-}
-
 impl<'a> Finder<'a> {
     /// With patches that are told to be rooms or outside.
     fn of(
@@ -628,63 +531,6 @@ impl<'a> Finder<'a> {
         finder.tell_courts(model, roles);
         finder
     }
-
-    /// A patch in metres.
-    fn place_of(&self, number: u32) -> Place {
-        let patch = &self.patches[number as usize];
-        let storey = &self.storeys.storeys[patch.storey];
-        let step = self.storeys.lattice.step();
-        let at = |v: u32| {
-            let p = storey.points[v as usize];
-            DVec2::new(f64::from(p.x), f64::from(p.y)) * step
-        };
-        let mut place = Place { triangles: Vec::new(), border: Vec::new(), area: patch.area };
-        for &t in &patch.triangles {
-            let corners = storey.triangles[t as usize];
-            place.triangles.push(corners.map(at));
-            for (edge, other) in storey.across[t as usize].into_iter().enumerate() {
-                if other == NONE || self.patch_of[patch.storey][other as usize] != number {
-                    let ends = [corners[edge], corners[(edge + 1) % 3]];
-                    place.border.push((ends, ends.map(at)));
-                }
-            }
-        }
-        place
-    }
-}
-
-/// By storey: lines along which to cut what would be one room.
-pub(super) fn cuts(
-    model: &Model,
-    roles: &[Role],
-    storeys: &Storeys,
-    options: &DeriveOptions,
-) -> Vec<Vec<Line>> {
-    let mut cuts = vec![Vec::new(); storeys.storeys.len()];
-    if options.widest_corridor <= 0.0 {
-        return cuts;
-    }
-    let finder = Finder::of(model, roles, storeys, &[], options);
-    let how = Cutting {
-        widest_gap: options.widest_hole,
-        widest_corridor: options.widest_corridor,
-        open_plan: options.open_plan,
-    };
-    let rooms: Vec<u32> = (0..finder.patches.len() as u32)
-        .filter(|&number| finder.is_room(&finder.patches[number as usize], options.least_area))
-        .collect();
-    let found = crate::parallel::map(rooms.len(), |i| open_plan::cuts(&finder.place_of(rooms[i]), how));
-    let lattice = &storeys.lattice;
-    let point = |p: DVec2| {
-        let [x, y, _] = Lattice::round([lattice.steps(p.x), lattice.steps(p.y), 0.0]);
-        Point::new(x, y)
-    };
-    for (room, lines) in rooms.into_iter().zip(found) {
-        let storey = finder.patches[room as usize].storey;
-        cuts[storey]
-            .extend(lines.into_iter().map(|cut| Line { ends: cut.ends.map(point), is_gap: cut.is_gap }));
-    }
-    cuts
 }
 
 /// Finds rooms, and holes between them that nothing fills; `cuts` are lines of the storeys' plans.
@@ -734,13 +580,6 @@ pub(super) fn find(
         rooms: found.into_iter().map(|room| room.1).collect(),
         holes: holes.into_iter().map(|hole| hole.1).collect(),
     }
-}
-
-fn append(mesh: &mut Mesh, other: Mesh) {
-    let first = mesh.positions.len() as u32;
-    mesh.positions.extend(other.positions);
-    mesh.triangles.extend(other.triangles.into_iter().map(|t| t.map(|v| v + first)));
-    mesh.materials.extend(other.materials);
 }
 
 /// Triangles that are looked at to tell whether something is above a patch.
@@ -823,98 +662,4 @@ impl Finder<'_> {
             patch.is_outside |= share.is_some_and(|share| share < 0.5);
         }
     }
-
-    /// Where a storey ends in air.
-    fn airy(&self, storey: usize) -> Vec<Piece> {
-        let of = &self.storeys.storeys[storey];
-        let is_air = |&t: &u32| {
-            let last = of.stack(t).last();
-            last.is_some_and(|last| {
-                matches!(self.fills[storey][last.set as usize], Fill::Air | Fill::Opening)
-            })
-        };
-        let step = self.storeys.lattice.step();
-        let mut pieces: Vec<Piece> = (0..of.triangles.len() as u32)
-            .filter(is_air)
-            .map(|t| Piece::new(of.corners(t), 0, step))
-            .collect();
-        pieces.sort_by(|a, b| a.bounds[0].total_cmp(&b.bounds[0]));
-        pieces
-    }
-
-    /// Rooms that are one over several storeys, as a hall is: those with hardly a floor between them.
-    fn one_above_the_other(&self, rooms: &BTreeSet<u32>) -> Union {
-        let mut union = Union::new(self.patches.len());
-        let step = self.storeys.lattice.step();
-        for lower in 0..self.storeys.storeys.len().saturating_sub(1) {
-            let open = |storey: usize, end: usize| -> Vec<Piece> {
-                let of = &self.storeys.storeys[storey];
-                let is_open = |&t: &u32| {
-                    let patch = self.patch_of[storey][t as usize];
-                    patch != NONE && rooms.contains(&patch) && self.spots[storey][t as usize].is_open[end]
-                };
-                let piece = |t: u32| Piece::new(of.corners(t), self.patch_of[storey][t as usize], step);
-                let mut pieces: Vec<Piece> =
-                    (0..of.triangles.len() as u32).filter(is_open).map(piece).collect();
-                pieces.sort_by(|a, b| a.bounds[0].total_cmp(&b.bounds[0]));
-                pieces
-            };
-            let (below, above) = (open(lower, 1), open(lower + 1, 0));
-            let on = |storey: usize| {
-                rooms.iter().filter(move |room| self.patches[**room as usize].storey == storey)
-            };
-            // A model without floors at all says nothing about where there is none.
-            let all: f64 = on(lower + 1).map(|room| self.patches[*room as usize].area).sum();
-            let bare: f64 = overlaps(&self.airy(lower), &above).values().sum();
-            if bare > BARE * all {
-                continue;
-            }
-            for ((low, high), shared) in overlaps(&below, &above) {
-                let least = |patch: u32| OPEN * self.patches[patch as usize].area;
-                if shared >= least(low) && shared >= least(high) {
-                    union.join(low, high);
-                }
-            }
-        }
-        union
-    }
-}
-
-/// A triangle of a plan, metres, and the patch that it is of.
-struct Piece {
-    corners: Vec<DVec2>,
-    patch: u32,
-    /// From where to where in x, then in y.
-    bounds: [f64; 4],
-}
-
-impl Piece {
-    fn new(corners: [Point; 3], patch: u32, step: f64) -> Piece {
-        let corners = corners.map(|p| DVec2::new(f64::from(p.x), f64::from(p.y)) * step);
-        let lo = corners[0].min(corners[1]).min(corners[2]);
-        let hi = corners[0].max(corners[1]).max(corners[2]);
-        Piece { corners: corners.to_vec(), patch, bounds: [lo.x, hi.x, lo.y, hi.y] }
-    }
-}
-
-/// The area that the pieces of two patches share, by their patches; both lists by the lower end in x.
-fn overlaps(below: &[Piece], above: &[Piece]) -> BTreeMap<(u32, u32), f64> {
-    let mut shared = BTreeMap::new();
-    let mut first = 0;
-    let widest = below.iter().map(|piece| piece.bounds[1] - piece.bounds[0]).fold(0.0f64, f64::max);
-    for high in above {
-        while below.get(first).is_some_and(|low| low.bounds[0] + widest < high.bounds[0]) {
-            first += 1;
-        }
-        for low in below[first..].iter().take_while(|low| low.bounds[0] < high.bounds[1]) {
-            let [a, b] = [low.bounds, high.bounds];
-            if a[1] > b[0] && a[2] < b[3] && a[3] > b[2] {
-                let part = area(&clipped(low.corners.clone(), &high.corners));
-                if part > 0.0 {
-                    *shared.entry((low.patch, high.patch)).or_insert(0.0) += part;
-                }
-            }
-        }
-    }
-    shared
 }

@@ -101,10 +101,8 @@ impl<T: Pod> View<T> {
 
     /// Items of its own: the others stay as they are in the storage.
     pub fn own(items: Vec<T>) -> View<T> {
-        // Taken from where the vector is kept: moving that does not move its items.
-        let keeper = Keeper::Own(items);
-        let Keeper::Own(items) = &keeper else { unreachable!("just made") };
-        View { items: items.as_ptr(), len: items.len(), keeper }
+        // Moving a vector does not move its items.
+        View { items: items.as_ptr(), len: items.len(), keeper: Keeper::Own(items) }
     }
 
     /// Changes the items, which are copied out of the storage beforehand.

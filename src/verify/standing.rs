@@ -1,6 +1,6 @@
 //! A model whose openings stand as those of a scene do: the truth of a scene in which some were closed or opened.
 
-use enfilade_importers::{Element, ElementId, MaterialId, Model};
+use enfilade_importers::{Element, MaterialId, Model};
 
 use crate::closing::Leaf;
 use crate::scene::Scene;
@@ -37,11 +37,8 @@ pub fn standing(mut model: Model, scene: &Scene) -> Model {
 /// Makes hits on sheets those on the elements that [`standing`] adds for them to a model of so many.
 pub fn tell_sheets(scene: &Scene, elements: u32, hits: &mut [Hit]) {
     for hit in hits {
-        let triangle = hit.triangle;
-        let closures = scene.closures();
-        let place = closures.partition_point(|closure| closure.triangles.end <= triangle);
-        if closures.get(place).is_some_and(|closure| closure.triangles.contains(&triangle)) {
-            hit.element = ElementId(elements + place as u32).0;
+        if let Some(place) = scene.closure_at(hit.triangle) {
+            hit.element = elements + place as u32;
         }
     }
 }
