@@ -28,6 +28,9 @@ pub struct FrozenScene {
     /// Whether it is written as CAD tools do ([`Style::cad`] with the same seed) rather than exactly.
     #[serde(default)]
     pub cad: bool,
+    /// Whether it stands empty: without furniture and lamps.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub bare: bool,
     /// Hash of the bytes of its `.glb`: XXH3, 64 bits, in hexadecimal.
     pub hash: String,
     /// Its cameras, a line each as in camera files, in the frame of the `.glb`.
@@ -94,9 +97,10 @@ impl FrozenScene {
     /// # Errors
     /// [`FrozenError::File`] if there is no such generator.
     pub fn building(&self) -> Result<Building, FrozenError> {
-        let office = || OfficeOptions { seed: self.seed, ..OfficeOptions::default() };
+        let furniture = !self.bare;
+        let office = || OfficeOptions { seed: self.seed, furniture };
         Ok(match self.building.as_str() {
-            "house" => house(&HouseOptions { seed: self.seed, ..HouseOptions::default() }),
+            "house" => house(&HouseOptions { seed: self.seed, furniture, ..HouseOptions::default() }),
             "build1" => build1(&office()),
             "build2" => build2(&office()),
             "build3" => build3(&office()),

@@ -1,0 +1,92 @@
+//! The same rays in the same process, through enfilade, Embree, `obvhs` and `bvh`.
+//!
+//! ```sh
+//! cargo run --release -p enfilade-peers -- --frozen house,build2
+//! EMBREE_LIB=/path/to/libembree4.so.4 cargo run --release -p enfilade-peers -- house.glb --markdown table.md --plot plot.svg
+//! ```
+//!
+//! One thread. Every way has its rays in the layout that it likes best before the clock runs, and writes distance and triangle
+//! of each ray; the ways take turns, and the medians of the repeats count. Embree 3 is used as Debian's `libembree-dev`
+//! installs it, or the library that `EMBREE_LIB` names, 3 or 4; without either the other ways are still compared.
+
+mod crates;
+mod embree;
+mod floor;
+mod own;
+mod report;
+mod run;
+mod scenes;
+mod way;
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+/// Compare enfilade with its peers on the same rays.
+#[derive(Parser)]
+struct Arguments {
+    /// Models (.glb, .gltf, .obj) or folders of them.
+    models: Vec<PathBuf>,
+    /// Scenes of benches/scenes.toml, with their cameras.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    frozen: Vec<String>,
+    /// Width and height of frames, pixels.
+    #[arg(long, default_value_t = 512)]
+    size: u32,
+    /// How often each way traces the same rays; the median counts.
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+    /// Random rays, and pairs of points, a scene.
+    #[arg(long, default_value_t = 1 << 18)]
+    random: usize,
+    /// Only ways whose name holds one of these.
+    #[arg(long, value_name = "PART,...", value_delimiter = ',')]
+    ways: Vec<String>,
+    /// Where to write the table as Markdown.
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    /// Where to write the plot, SVG.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Where to write all figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// The middle of the times.
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    let middle = times.len() / 2;
+    if times.len() % 2 == 1 { times[middle] } else { (times[middle - 1] + times[middle]) / 2.0 }
+}
+
+fn main() -> anyhow::Result<()> {
+    let arguments = Arguments::parse();
+    // Frames and batches run on this thread alone; what builds scenes and hierarchies may use all.
+    let embree = match embree::Embree::load() {
+        Ok(embree) => Some(embree),
+        Err(error) => {
+            eprintln!("without Embree: {error:#}");
+            None
+        }
+    };
+    let floor = floor::measure(1024, 99);
+    let mut table = report::Report::new(&arguments, embree.as_deref(), floor);
+    println!("{}", table.head());
+    for scene in scenes::scenes(&arguments)? {
+        let scene = scene?;
+        let rows = run::run(&scene, embree.as_ref(), &arguments);
+        print!("{}", report::lines(&rows));
+        table.rows.extend(rows);
+    }
+    if let Some(path) = &arguments.markdown {
+        std::fs::write(path, table.markdown())?;
+    }
+    if let Some(path) = &arguments.plot {
+        table.plot(path)?;
+    }
+    if let Some(path) = &arguments.json {
+        std::fs::write(path, serde_json::to_string_pretty(&table)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! enfilade's own ways.
+
+use std::sync::Arc;
+
+use enfilade::{Answer, Kernel, Ray, Scene, Start, Want};
+
+use crate::way::{Met, Rays, Way};
+
+/// Single rays on one of enfilade's kernels. The cell of a ray's origin is known, as it is for the rays of a frame and for those
+/// that go on from a hit.
+pub struct Single {
+    pub scene: Arc<Scene>,
+    pub kernel: Kernel,
+}
+
+impl Way for Single {
+    fn name(&self) -> String {
+        format!("enfilade, {}", self.kernel.name())
+    }
+
+    fn nearest(&self, rays: &Rays, met: &mut [Met]) {
+        for ((ray, &cell), met) in rays.exact.iter().zip(&rays.cells).zip(met) {
+            let hit = self.scene.trace_with(self.kernel, Start::Cell(cell), ray, Want::LEAST);
+            *met = Met { t: hit.t, triangle: hit.triangle, padding: 0 };
+        }
+    }
+
+    fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
+        for (ray, answer) in rays.exact.iter().zip(answers) {
+            *answer = self.scene.occluded(ray);
+        }
+        true
+    }
+}
+
+/// The whole answer: the origin is located, room and all.
+pub struct Whole {
+    pub scene: Arc<Scene>,
+}
+
+impl Way for Whole {
+    fn name(&self) -> String {
+        "enfilade, located".to_owned()
+    }
+
+    fn nearest(&self, rays: &Rays, met: &mut [Met]) {
+        let trace = |ray: &Ray| match self.scene.trace(ray) {
+            Answer::Hit(hit) => Met { t: hit.t, triangle: hit.triangle, padding: 0 },
+            _ => Met::NOTHING,
+        };
+        for (ray, met) in rays.exact.iter().zip(met) {
+            *met = trace(ray);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Times and differences of all ways on one scene.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use enfilade::{Kernel, Place, Ray, Scene};
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::embree::{Built, Embree, One, Quality, Sixteen, Stream};
+use crate::own::{Single, Whole};
+use crate::scenes::Measured;
+use crate::way::{Met, Rays, Way, soup};
+use crate::{Arguments, crates, median};
+
+/// Of one way on one kind of rays of one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    pub scene: String,
+    /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
+    /// random points of rooms see each other.
+    pub rays: &'static str,
+    pub way: String,
+    pub count: usize,
+    pub ns_per_ray: f64,
+    /// Answers that are not those of the first of enfilade's ways: more than a millimetre and a thousandth nearer or farther.
+    pub differing: usize,
+}
+
+/// Random numbers: SplitMix64 (Steele, Lea and Flood, 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A point in the air of a room, and its cell.
+    fn point(&mut self, scene: &Scene, rooms: &[[[f64; 3]; 2]]) -> ([f64; 3], u32) {
+        loop {
+            let [lo, hi] = match rooms.len() {
+                0 => scene.hull(),
+                n => rooms[((self.next() * n as f64) as usize).min(n - 1)],
+            };
+            let point = [0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * self.next());
+            if let Place::Air { cell, room, .. } = scene.locate(point)
+                && (rooms.is_empty() || room.is_some())
+            {
+                return (point, cell);
+            }
+        }
+    }
+}
+
+fn frame(scene: &Scene, camera: &enfilade::render::Camera, size: u32) -> Option<Rays> {
+    let Place::Air { cell, .. } = scene.locate(camera.eye()) else { return None };
+    let pinhole = camera.pinhole(size, size);
+    let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+    let rays: Vec<Ray> = pixels.map(|(x, y)| pinhole.ray(x, y)).collect();
+    let cells = vec![cell; rays.len()];
+    Some(Rays::new(scene, rays, cells))
+}
+
+fn random(scene: &Scene, count: usize, pairs: bool) -> Rays {
+    let rooms: Vec<[[f64; 3]; 2]> = scene.rooms().filter(|r| r.is_closed()).map(|r| r.bounds()).collect();
+    let mut random = Random(7 + u64::from(pairs));
+    let mut rays = Vec::with_capacity(count);
+    let mut cells = Vec::with_capacity(count);
+    while rays.len() < count {
+        let (from, cell) = random.point(scene, &rooms);
+        if pairs {
+            let (to, _) = random.point(scene, &rooms);
+            let way = DVec3::from(to) - DVec3::from(from);
+            rays.push(Ray::segment(from, way.normalize().to_array(), 0.0, way.length()));
+        } else {
+            let z = 2.0 * random.next() - 1.0;
+            let (sin, cos) = (std::f64::consts::TAU * random.next()).sin_cos();
+            let r = (1.0 - z * z).sqrt();
+            rays.push(Ray::new(from, [r * cos, r * sin, z]));
+        }
+        cells.push(cell);
+    }
+    Rays::new(scene, rays, cells)
+}
+
+fn ways(scene: &Arc<Scene>, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
+    let mut ways: Vec<Box<dyn Way>> = Vec::new();
+    for kernel in Kernel::available().into_iter().rev() {
+        ways.push(Box::new(Single { scene: Arc::clone(scene), kernel }));
+    }
+    ways.push(Box::new(Whole { scene: Arc::clone(scene) }));
+    let soup = soup(scene);
+    if let Some(embree) = embree {
+        for quality in [Quality::High, Quality::Medium] {
+            ways.push(Box::new(One(Arc::new(Built::new(embree, &soup, quality, false)))));
+        }
+        let built = Arc::new(Built::new(embree, &soup, Quality::High, false));
+        ways.push(Box::new(One(Arc::new(Built::new(embree, &soup, Quality::High, true)))));
+        for coherent in [true, false] {
+            ways.push(Box::new(Sixteen { built: Arc::clone(&built), coherent }));
+        }
+        if let Some(stream) = Stream::new(&built) {
+            ways.push(Box::new(stream));
+        }
+    }
+    ways.extend(crates::obvhs(&soup).into_iter().map(|way| Box::new(way) as Box<dyn Way>));
+    ways.push(Box::new(crates::Bvh::new(&soup)));
+    // The first is what the others' answers are compared with.
+    let mut index = 0;
+    ways.retain(|way| {
+        index += 1;
+        index == 1 || arguments.ways.is_empty() || arguments.ways.iter().any(|part| way.name().contains(part))
+    });
+    ways
+}
+
+/// Measures all ways.
+pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Row> {
+    let scene = &measured.scene;
+    let ways = ways(scene, embree, arguments);
+    let frames: Vec<Rays> =
+        measured.views.iter().filter_map(|camera| frame(scene, camera, arguments.size)).collect();
+    let scattered = [random(scene, arguments.random, false)];
+    let pairs = random(scene, arguments.random, true);
+    let mut rows = nearest(&measured.name, "primary", &ways, &frames, arguments.repeat);
+    rows.extend(nearest(&measured.name, "random", &ways, &scattered, arguments.repeat));
+    rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
+    rows
+}
+
+fn nearest(
+    scene: &str,
+    kind: &'static str,
+    ways: &[Box<dyn Way>],
+    batches: &[Rays],
+    repeat: usize,
+) -> Vec<Row> {
+    let mut seconds = vec![0.0; ways.len()];
+    let mut differing = vec![0; ways.len()];
+    let count = batches.iter().map(Rays::len).sum::<usize>();
+    for batch in batches {
+        let mut times = vec![Vec::new(); ways.len()];
+        let mut met = vec![vec![Met::NOTHING; batch.len()]; ways.len()];
+        for _ in 0..repeat.max(1) {
+            for (i, way) in ways.iter().enumerate() {
+                let start = Instant::now();
+                way.nearest(batch, &mut met[i]);
+                times[i].push(start.elapsed().as_secs_f64());
+            }
+        }
+        for i in 0..ways.len() {
+            seconds[i] += median(&mut times[i]);
+            let differ = |(a, b): &(&Met, &Met)| a.t != b.t && (a.t - b.t).abs() > 1e-3 + 1e-3 * a.t.min(b.t);
+            differing[i] += met[0].iter().zip(&met[i]).filter(|pair| differ(pair) || pair.0.t.is_infinite() != pair.1.t.is_infinite()).count();
+        }
+    }
+    let row = |(i, way): (usize, &Box<dyn Way>)| Row {
+        scene: scene.to_owned(),
+        rays: kind,
+        way: way.name(),
+        count,
+        ns_per_ray: seconds[i] * 1e9 / count as f64,
+        differing: differing[i],
+    };
+    if count == 0 { Vec::new() } else { ways.iter().enumerate().map(row).collect() }
+}
+
+fn occluded(scene: &str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
+    let mut answers = vec![vec![false; pairs.len()]; ways.len()];
+    let mut times = vec![Vec::new(); ways.len()];
+    for _ in 0..repeat.max(1) {
+        for (i, way) in ways.iter().enumerate() {
+            let start = Instant::now();
+            if way.occluded(pairs, &mut answers[i]) {
+                times[i].push(start.elapsed().as_secs_f64());
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    for (i, way) in ways.iter().enumerate() {
+        if times[i].is_empty() {
+            continue;
+        }
+        rows.push(Row {
+            scene: scene.to_owned(),
+            rays: "pairs",
+            way: way.name(),
+            count: pairs.len(),
+            ns_per_ray: median(&mut times[i]) * 1e9 / pairs.len() as f64,
+            differing: answers[0].iter().zip(&answers[i]).filter(|(a, b)| a != b).count(),
+        });
+    }
+    rows
+}

@@ -1,0 +1,84 @@
+//! What is compared: ways to answer the same rays.
+
+use bytemuck::{Pod, Zeroable};
+use enfilade::{Ray, Scene};
+use glam::DVec3;
+
+/// A ray as the peers take it: f32, relative to the middle of the scene.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Single {
+    pub origin: [f32; 3],
+    pub tmin: f32,
+    pub direction: [f32; 3],
+    pub tmax: f32,
+}
+
+/// Rays, as each way likes them best; made before the clock runs.
+pub struct Rays {
+    /// In f64, and the cell of the air in which each starts.
+    pub exact: Vec<Ray>,
+    pub cells: Vec<u32>,
+    pub singles: Vec<Single>,
+}
+
+impl Rays {
+    pub fn new(scene: &Scene, exact: Vec<Ray>, cells: Vec<u32>) -> Rays {
+        let center = center(scene);
+        let single = |ray: &Ray| {
+            let direction = DVec3::from(ray.direction).normalize();
+            Single {
+                origin: (DVec3::from(ray.origin) - center).as_vec3().to_array(),
+                tmin: ray.tmin as f32,
+                direction: direction.as_vec3().to_array(),
+                tmax: ray.tmax as f32,
+            }
+        };
+        let singles = exact.iter().map(single).collect();
+        Rays { exact, cells, singles }
+    }
+
+    pub fn len(&self) -> usize {
+        self.exact.len()
+    }
+}
+
+/// What a way says of a ray: the distance, infinite if nothing is met, and the triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Met {
+    pub t: f64,
+    pub triangle: u32,
+    pub padding: u32,
+}
+
+impl Met {
+    pub const NOTHING: Met = Met { t: f64::INFINITY, triangle: u32::MAX, padding: 0 };
+}
+
+/// A way to answer rays, ready to run on one thread.
+pub trait Way {
+    fn name(&self) -> String;
+
+    /// The nearest hit of each ray.
+    fn nearest(&self, rays: &Rays, met: &mut [Met]);
+
+    /// Whether anything is met between the ends of each ray; `false` if this way has no answer of its own for that.
+    fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
+        let _ = (rays, answers);
+        false
+    }
+}
+
+/// What is taken off coordinates before they are rounded to f32.
+pub fn center(scene: &Scene) -> DVec3 {
+    let [lo, hi] = scene.hull().map(DVec3::from);
+    (lo + hi) / 2.0
+}
+
+/// The corners of all triangles that rays can meet, in f32.
+pub fn soup(scene: &Scene) -> Vec<[[f32; 3]; 3]> {
+    let center = center(scene);
+    let rounded = |p: [f64; 3]| (DVec3::from(p) - center).as_vec3().to_array();
+    (0..scene.detail_triangle_count()).map(|t| scene.triangle(t).map(rounded)).collect()
+}
