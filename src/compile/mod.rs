@@ -12,6 +12,7 @@ mod geometry;
 mod locator;
 mod mapped;
 pub(crate) mod outward;
+mod plates;
 mod prisms;
 mod report;
 
@@ -257,7 +258,11 @@ fn compile_tables(
     let added = run
         .stage("cells", || prisms::add(model, cells, &gathered, hull, &mut tables))?
         .map_err(CompileError::Partition)?;
-    let counted = add_detail(&mut run, partition, &gathered, zone, &mut tables)?;
+    let mut faces = tables.surfaces.clone();
+    faces.sort_unstable();
+    faces.dedup();
+    run.stage("plates", || plates::add(&mut tables))?;
+    let counted = add_detail(&mut run, partition, &gathered, zone, faces, &mut tables)?;
 
     let locator = run.stage("locator", || {
         let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
@@ -319,12 +324,14 @@ struct Counted {
     depth: u32,
 }
 
-/// Fills the sections `cellgrid`, `gridcells`, `nodes` and `blocks`, and the roots of `cells` and `sources`.
+/// Fills the sections `cellgrid`, `gridcells`, `nodes` and `blocks`, and the roots of `cells` and `sources`. `faces` are the
+/// triangles behind faces of cells.
 fn add_detail(
     run: &mut Run<'_>,
     partition: &Partition,
     gathered: &Gathered,
     zone: Option<[[f64; 3]; 2]>,
+    mut faces: Vec<u32>,
     tables: &mut Tables,
 ) -> Result<Counted, CompileError> {
     let tolerance = run.options.tolerance;
@@ -345,9 +352,6 @@ fn add_detail(
     detail.sort_unstable();
     detail.dedup();
     detail.iter().for_each(|&t| met[t as usize] = true);
-    let mut faces = tables.surfaces.clone();
-    faces.sort_unstable();
-    faces.dedup();
     faces.retain(|&t| !met[t as usize]);
 
     let pairs = match zone {

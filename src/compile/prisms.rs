@@ -6,7 +6,7 @@ use super::geometry::Gathered;
 use crate::building::{FaceKind, NamedCells};
 use crate::format::Tables;
 use crate::format::records::{
-    CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
+    CellRecord, CornersRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
 };
 use crate::lattice::{FINE, LARGEST, Point, orient};
 use crate::partition::cells::{Cell, Cover, Face, Label, NONE, Partition, Section};
@@ -69,6 +69,8 @@ pub(super) fn add(
     for (i, cell) in partition.cells.iter().enumerate() {
         run.cell(cell, tables).map_err(|what| format!("cell {i}: {what}"))?;
     }
+    let sides = |cell: &CellRecord| &tables.sides[cell.first_side as usize..][..cell.sides as usize];
+    tables.corners = tables.cells.iter().map(|cell| CornersRecord::of(sides(cell))).collect();
     let added = Added { traits: Traits(if run.sloped { Traits::SLOPED } else { 0 }), joined: run.joined };
     for (i, source) in partition.sources.iter().enumerate() {
         let first = tables.surfaces.len();
@@ -90,6 +92,17 @@ pub(super) fn add(
         tables.sources.push(SourceRecord { first: first as u32, count, root: NONE, plane });
     }
     Ok(added)
+}
+
+/// The sections of a footprint from the first on at which its border turns.
+fn from_a_corner(sections: &[Section]) -> Vec<Section> {
+    let count = sections.len();
+    let turns = |&i: &usize| {
+        let [a, b, c] = [i + count - 1, i, i + 1].map(|i| sections[i % count].start);
+        orient(a, b, c) != 0
+    };
+    let first = (0..count).find(turns).unwrap_or(0);
+    sections[first..].iter().chain(&sections[..first]).cloned().collect()
 }
 
 /// Drops repeated items of the sorted end of `items`, from `first` on.
@@ -135,6 +148,7 @@ impl Run<'_> {
         let partition = self.partition;
         let slice = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
         let sections = partition.sections.get(slice(&cell.sections)).ok_or("its sections are not there")?;
+        let sections = &from_a_corner(sections)[..];
         let below = partition.covers.get(slice(&cell.below)).ok_or("what lies below is not there")?;
         let above = partition.covers.get(slice(&cell.above)).ok_or("what lies above is not there")?;
         let plane = |index: u32| partition.planes.get(index as usize).ok_or("a plane is not there");
@@ -163,9 +177,9 @@ impl Run<'_> {
                 if face.top != NONE {
                     plane(face.top)?;
                 }
-                let CoverRecord { cell, source, kind } =
+                let CoverRecord { cell, source, kind, flags } =
                     self.cover(&face.cover, &self.cells.faces, number)?;
-                tables.faces.push(FaceRecord { top: face.top, cell, source, kind });
+                tables.faces.push(FaceRecord { top: face.top, cell, source, kind, flags });
             }
             let [low, high] = [floor, ceiling].map(|plane| plane.height(p) as f64 / FINE as f64);
             for (c, axis) in [(f64::from(p.x), 0), (f64::from(p.y), 1), (low, 2), (high, 2)] {
@@ -250,9 +264,9 @@ impl Run<'_> {
         if !known {
             return Err(format!("{cover:?} is not there"));
         }
-        let kind = kinds.get(number).ok_or("what a face is called is not known")?.number();
+        let kind = kinds.get(number).ok_or("what a face is called is not known")?.number() as u16;
         // Cell 0 is what lies around: beyond the hull, or none.
-        Ok(CoverRecord { cell: cover.cell.wrapping_add(1), source: cover.source, kind })
+        Ok(CoverRecord { cell: cover.cell.wrapping_add(1), source: cover.source, kind, flags: 0 })
     }
 
     fn label(&self, label: Label) -> Result<(u32, Semantic, u32), String> {

@@ -2,7 +2,7 @@
 
 use enfilade_importers::Semantic;
 
-use super::records::{CellRecord, SideRecord, SourceRecord};
+use super::records::{CellRecord, CornersRecord, PLAIN, SideRecord, SourceRecord};
 use super::tables::{Views, ensure, invalid, is_box, within};
 use super::{FaceKind, FormatError};
 use crate::trace::NONE;
@@ -113,6 +113,13 @@ fn sides(v: &Views) -> Result<(), FormatError> {
         faces += u64::from(side.faces);
         ensure(faces <= v.faces.len() as u64, "sides", i, || format!("faces up to {faces}"))?;
     }
+    for (i, cell) in v.cells.iter().enumerate() {
+        // What `cells` found to be there.
+        let own = &v.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize];
+        let is_same = v.corners.get(i) == Some(&CornersRecord::of(own));
+        ensure(is_same, "corners", i, || "not the corners of the cell's sides".to_owned())?;
+    }
+    ensure(v.corners.len() == v.cells.len(), "corners", v.cells.len(), || "more than cells".to_owned())?;
     let last = v.sides.len().saturating_sub(1);
     ensure(faces == v.faces.len() as u64, "sides", last, || "faces are left over".to_owned())
 }
@@ -121,14 +128,18 @@ fn beyond(v: &Views) -> Result<(), FormatError> {
     let known = |cell: u32, source: u32| {
         (cell as usize) < v.cells.len() && (source == NONE || (source as usize) < v.sources.len())
     };
+    let is_kind = |kind: u16, flags: u16, source: u32| {
+        let is_planar = || v.sources.get(source as usize).is_some_and(|source| source.plane != NONE);
+        FaceKind::from_number(u32::from(kind)).is_some() && (flags == 0 || (flags == PLAIN && is_planar()))
+    };
     for (i, face) in v.faces.iter().enumerate() {
         let ok = known(face.cell, face.source)
             && (face.top == NONE || (face.top as usize) < v.planes.len())
-            && FaceKind::from_number(face.kind).is_some();
+            && is_kind(face.kind, face.flags, face.source);
         ensure(ok, "faces", i, || format!("{face:?} refers to what is not there"))?;
     }
     for (i, cover) in v.covers.iter().enumerate() {
-        let ok = known(cover.cell, cover.source) && FaceKind::from_number(cover.kind).is_some();
+        let ok = known(cover.cell, cover.source) && is_kind(cover.kind, cover.flags, cover.source);
         ensure(ok, "covers", i, || format!("{cover:?} refers to what is not there"))?;
     }
     for (i, plane) in v.planes.iter().enumerate() {
@@ -152,6 +163,12 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         let own = &v.surfaces[source.first as usize..items as usize];
         let is_own = source.plane == NONE || own.contains(&source.plane);
         ensure(is_own, "sources", i, || format!("the plane of triangle {}", source.plane))?;
+    }
+    let plates = v.plates.len();
+    ensure(plates == v.sources.len(), "plates", 0, || format!("{plates} for {} sources", v.sources.len()))?;
+    for (i, plate) in v.plates.iter().enumerate() {
+        let ok = within(plate.offset) && plate.normal.iter().all(|c| c.abs() <= 2.0);
+        ensure(ok, "plates", i, || "not a plane".to_owned())?;
     }
     let last = v.sources.len().saturating_sub(1);
     ensure(items == v.surfaces.len() as u64, "sources", last, || "triangles are left over".to_owned())?;

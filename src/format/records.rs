@@ -209,6 +209,58 @@ pub struct SideRecord {
     pub faces: u32,
 }
 
+/// Section `corners`, one for each cell: where the border of its footprint turns, for kernels that look at all corners at once.
+///
+/// Of a prism with at most eight corners that turn, the first side starting at one of them; of all others zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CornersRecord {
+    /// x of each corner, as [`SideRecord::start`] has it; then of the first again and again.
+    pub x: [f32; LANES],
+    /// The same for y.
+    pub y: [f32; LANES],
+    /// The side that starts there, counted from the cell's first; then the number of its sides again and again.
+    pub side: [u16; LANES],
+}
+
+impl CornersRecord {
+    const NONE: CornersRecord = CornersRecord { x: [0.0; LANES], y: [0.0; LANES], side: [0; LANES] };
+
+    /// Those of a footprint.
+    pub(crate) fn of(sides: &[SideRecord]) -> CornersRecord {
+        let count = sides.len();
+        if count < 3 || count > usize::from(u16::MAX) {
+            return CornersRecord::NONE;
+        }
+        let mut record = CornersRecord::NONE;
+        let mut corners = 0;
+        for (index, side) in sides.iter().enumerate() {
+            let [a, b, c] = [&sides[(index + count - 1) % count], side, &sides[(index + 1) % count]]
+                .map(|side| side.start.map(f64::from));
+            // Exact: coordinates on the lattice have 25 bits.
+            if (b[0] - a[0]) * (c[1] - b[1]) == (b[1] - a[1]) * (c[0] - b[0]) {
+                continue;
+            }
+            if corners == LANES || (corners == 0 && index > 0) {
+                return CornersRecord::NONE;
+            }
+            [record.x[corners], record.y[corners]] = side.start;
+            record.side[corners] = index as u16;
+            corners += 1;
+        }
+        for lane in corners..LANES {
+            (record.x[lane], record.y[lane], record.side[lane]) = (record.x[0], record.y[0], count as u16);
+        }
+        record
+    }
+
+    /// Whether it has them.
+    #[inline(always)]
+    pub(crate) fn is_some(&self) -> bool {
+        self.side[1] != 0
+    }
+}
+
 /// Section `faces`: a part of a side between two planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -220,8 +272,14 @@ pub struct FaceRecord {
     /// Between air and matter: what rays meet there, or none.
     pub source: u32,
     /// Number of its kind, from 64 on.
-    pub kind: u32,
+    pub kind: u16,
+    /// [`PLAIN`] or 0.
+    pub flags: u16,
 }
+
+/// The bit of a face's or cover's flags that says: wherever a ray passes it, no nearer to its border than half a millimetre,
+/// triangles of its source are there, all in one plane, that of its source's plate; of one element and material.
+pub const PLAIN: u16 = 1;
 
 /// Section `covers`: a part of a floor or a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
@@ -232,7 +290,9 @@ pub struct CoverRecord {
     /// Between air and matter: what rays meet there, or none.
     pub source: u32,
     /// Number of its kind, from 64 on.
-    pub kind: u32,
+    pub kind: u16,
+    /// [`PLAIN`] or 0.
+    pub flags: u16,
 }
 
 /// Section `planes`: z = slope . (x, y) + height, metres from the lattice's origin.
@@ -262,6 +322,17 @@ pub struct SourceRecord {
 impl SourceRecord {
     /// Up to so many triangles are tested one by one.
     pub const FEW: u32 = 16;
+}
+
+/// Section `plates`: the plane of each source whose triangles lie in one: `normal . p = offset`, internal frame, metres. Zeros
+/// for others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PlateRecord {
+    /// Unit length.
+    pub normal: [f64; 3],
+    /// Metres.
+    pub offset: f64,
 }
 
 /// Section `materials`.
@@ -466,10 +537,12 @@ mod tests {
         assert_eq!(size_of::<RoomRecord>(), 72);
         assert_eq!(size_of::<CellRecord>(), 96);
         assert_eq!(size_of::<SideRecord>(), 16);
+        assert_eq!(size_of::<CornersRecord>(), 80);
         assert_eq!(size_of::<FaceRecord>(), 16);
         assert_eq!(size_of::<CoverRecord>(), 12);
         assert_eq!(size_of::<PlaneRecord>(), 24);
         assert_eq!(size_of::<SourceRecord>(), 16);
+        assert_eq!(size_of::<PlateRecord>(), 32);
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);

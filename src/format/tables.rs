@@ -10,8 +10,8 @@ use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
-    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
-    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
+    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CornersRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
+    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, PlateRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
@@ -91,6 +91,8 @@ sections! {
     rooms: RoomRecord;
     /// Cells.
     cells: CellRecord;
+    /// Corners of cells.
+    corners: CornersRecord;
     /// Sides of cells.
     sides: SideRecord;
     /// Faces of sides.
@@ -101,6 +103,8 @@ sections! {
     planes: PlaneRecord;
     /// What rays meet at faces and covers.
     sources: SourceRecord;
+    /// Their planes, one each.
+    plates: PlateRecord;
     /// Their triangles.
     surfaces: u32;
     /// For each cube of the grid over the prisms (x fastest) the first of its items, and the end of the last.

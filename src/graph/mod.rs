@@ -15,6 +15,8 @@ pub(crate) use contacts::fills;
 #[cfg(feature = "compile")]
 pub(crate) use measure::clipped;
 pub(crate) use measure::{area, cut, footprint};
+#[cfg(feature = "compile")]
+pub(crate) use surface::At;
 pub(crate) use surface::{Part, parts};
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -11,8 +11,18 @@ use crate::trace::{NONE, Prisms};
 pub(crate) struct Part {
     pub(crate) corners: Vec<DVec3>,
     pub(crate) beyond: u32,
-    pub(super) source: u32,
+    pub(crate) source: u32,
     pub(crate) kind: u32,
+    pub(crate) at: At,
+}
+
+/// Which record of a scene a part of a surface has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum At {
+    /// Index into the section `faces`.
+    Face(u32),
+    /// Index into the section `covers`.
+    Cover(u32),
 }
 
 /// All parts of a cell's surface that have an area.
@@ -23,7 +33,7 @@ pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
         let ends = [own[i], own[(i + 1) % own.len()]];
         let heights = |plane: u32| ends.map(|p| prisms.height(plane, p));
         let (mut below, ceiling) = (heights(cell.floor), heights(cell.ceiling));
-        for face in prisms.faces_of(side) {
+        for (face, number) in prisms.faces_of(side).iter().zip(0..) {
             let top = if face.top == NONE { ceiling } else { heights(face.top) };
             let top =
                 [0, 1].map(|end| top[end].clamp(below[end].min(ceiling[end]), ceiling[end].max(below[end])));
@@ -37,14 +47,16 @@ pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             }
             if corners.len() >= 3 {
                 let corners = corners.into_iter().map(|p| prisms.global(p)).collect();
-                parts.push(Part { corners, beyond: face.cell, source: face.source, kind: face.kind });
+                let at = At::Face(side.first_face + number);
+                parts.push(Part { corners, beyond: face.cell, source: face.source, kind: face.kind.into(), at });
             }
             below = top;
         }
     }
     let (below, above) = prisms.covers_of(cell);
     for (covers, plane, is_up) in [(below, cell.floor, false), (above, cell.ceiling, true)] {
-        for (cover, mut polygon) in covers.iter().zip(covered(prisms, &own, covers)) {
+        for ((cover, mut polygon), number) in covers.iter().zip(covered(prisms, &own, covers)).zip(0..) {
+            let at = At::Cover(cell.first_cover + if is_up { cell.below } else { 0 } + number);
             if area(&polygon) <= 0.0 {
                 continue;
             }
@@ -53,7 +65,7 @@ pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             }
             let corners =
                 polygon.into_iter().map(|p| prisms.global(p.extend(prisms.height(plane, p)))).collect();
-            parts.push(Part { corners, beyond: cover.cell, source: cover.source, kind: cover.kind });
+            parts.push(Part { corners, beyond: cover.cell, source: cover.source, kind: cover.kind.into(), at });
         }
     }
     parts

@@ -4,11 +4,15 @@
 use std::arch::x86_64::{
     __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps, _mm256_div_ps,
     _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm256_mul_ps, _mm256_or_ps, _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_setr_epi32, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
+use super::kernel::Probe;
 use super::lanes::{Lanes, Mask};
+use super::quick::{self, Quick};
+use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
+use crate::format::Views;
 use crate::format::records::LANES;
 
 /// Eight f32 in a register. Private to this module and used only inside `walk_avx2` and `occluded_avx2`, so that it
@@ -80,6 +84,11 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
     #[inline(always)]
+    fn rotate(self) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_permutevar8x32_ps(self.0, _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 0)) })
+    }
+    #[inline(always)]
     fn flip(self, sign: Self) -> Self {
         // SAFETY: see `Avx2`.
         Avx2(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(_mm256_set1_ps(-0.0), sign.0)) })
@@ -114,6 +123,22 @@ pub(super) fn is_available() -> bool {
 #[target_feature(enable = "avx2,fma")]
 fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
     walk::<Avx2, ANY>(tables, query, &mut ())
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut P) -> Option<Quick> {
+    quick::quick::<Avx2, P>(tables, ray, hint, probe)
+}
+
+/// What a ray meets that is in no doubt.
+///
+/// # Panics
+/// If the CPU lacks AVX2 or FMA (debug builds).
+#[inline]
+pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut P) -> Option<Quick> {
+    debug_assert!(is_available());
+    // SAFETY: as in `run`.
+    unsafe { quick_avx2(tables, ray, hint, probe) }
 }
 
 /// The nearest hit, or with `ANY` some hit.

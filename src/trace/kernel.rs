@@ -4,7 +4,10 @@
 use super::avx2;
 use super::cost::Cost;
 use super::lanes::Portable;
+use super::quick::{Quick, quick};
+use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
+use crate::format::Views;
 
 /// An instruction set that this CPU has. Made only by the functions below, which look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -54,6 +57,16 @@ impl Kernel {
         }
     }
 
+    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything.
+    #[inline]
+    pub(super) fn quick<const ANY: bool>(self, tables: &Views, ray: &Ray, hint: u32) -> Option<Quick> {
+        match self.0 {
+            Set::Portable => quick::<Portable, _>(tables, ray, hint, &mut Plain::<ANY>(self)),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::quick(tables, ray, hint, &mut Plain::<ANY>(self)),
+        }
+    }
+
     /// The nearest hit, or with `ANY` some hit.
     #[inline]
     pub(super) fn run<const ANY: bool>(self, tables: &Walk<'_>, query: &Query) -> Found {
@@ -71,6 +84,8 @@ pub(super) trait Probe {
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
     /// The nearest hit, or some hit for who wants to know only whether there is one.
     fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
+    /// A node was opened, but not in a walk.
+    fn node(&mut self) {}
     /// A prism was entered.
     fn cell(&mut self) {}
     /// A triangle was tested in f64.
@@ -100,6 +115,9 @@ impl Probe for Cost {
     }
     fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
         self.nearest(tables, query)
+    }
+    fn node(&mut self) {
+        self.nodes = self.nodes.saturating_add(1);
     }
     fn cell(&mut self) {
         self.cells = self.cells.saturating_add(1);

@@ -23,6 +23,8 @@ pub(crate) trait Lanes: Copy {
     /// The greater of each; of a NaN and a number either.
     fn max(self, other: Self) -> Self;
     fn abs(self) -> Self;
+    /// Each lane has what the next one had, the last what the first had.
+    fn rotate(self) -> Self;
     /// `self` with its sign flipped where `sign` is negative (or -0).
     fn flip(self, sign: Self) -> Self;
     /// One bit a lane: whether `self <= other`.
@@ -102,6 +104,13 @@ impl Lanes for Portable {
     #[inline(always)]
     fn abs(self) -> Self {
         self.zip(self, |a, _| a.abs())
+    }
+    #[inline(always)]
+    fn rotate(self) -> Self {
+        let [first, rest @ ..] = self.0;
+        let mut out = [first; LANES];
+        out[..LANES - 1].copy_from_slice(&rest);
+        Portable(out)
     }
     #[inline(always)]
     fn flip(self, sign: Self) -> Self {

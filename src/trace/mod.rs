@@ -12,6 +12,7 @@ mod locate;
 mod meet;
 mod path;
 mod plan;
+mod quick;
 mod ray;
 mod single;
 mod walk;
@@ -23,6 +24,8 @@ pub use locate::Place;
 pub(crate) use locate::{crossings, height};
 pub(crate) use path::Prisms;
 #[cfg(feature = "compile")]
+#[cfg(feature = "compile")]
+pub(crate) use path::BLURRED;
 pub(crate) use path::to_lattice;
-pub use ray::{Answer, Hit, NONE, Ray};
+pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};

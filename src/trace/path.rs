@@ -13,7 +13,7 @@ pub(super) const NEAR: f64 = 1e-9;
 
 /// So far, metres, cells may differ from the model: what the partition's audit lets pass, its straightening, and rounding.
 /// Where a ray passes an edge of a face this near, cells do not tell on which side.
-pub(super) const BLURRED: f64 = 5e-4;
+pub(crate) const BLURRED: f64 = 5e-4;
 
 /// No coordinate on the lattice is more steps from its origin.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -95,6 +95,29 @@ impl<'a> Prisms<'a> {
         }
     }
 
+    /// Those of a scene that is being compiled, without the grid over them.
+    #[cfg(feature = "compile")]
+    pub(crate) fn of(tables: &'a crate::format::Tables) -> Prisms<'a> {
+        let scene = &tables.scene[0];
+        Prisms {
+            cells: &tables.cells,
+            sides: &tables.sides,
+            faces: &tables.faces,
+            covers: &tables.covers,
+            planes: &tables.planes,
+            sources: &tables.sources,
+            surfaces: &tables.surfaces,
+            starts: &[],
+            listed: &[],
+            zone: scene.zone,
+            step: scene.grid_step,
+            dims: scene.grid_dims,
+            origin: scene.lattice_origin,
+            turn: scene.lattice_turn,
+            reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
+        }
+    }
+
     /// How far, metres, a surface of a cell commonly is from the model's: four steps of the lattice.
     pub(super) fn rounding(&self) -> f64 {
         4.0 * self.reach / LARGEST
@@ -140,8 +163,8 @@ impl<'a> Prisms<'a> {
         let own = *self;
         let faces = self.sides_of(cell).iter().flat_map(move |side| own.faces_of(side));
         let (below, above) = self.covers_of(cell);
-        let covers = below.iter().chain(above).map(|cover| (cover.cell, cover.source, cover.kind));
-        faces.map(|face| (face.cell, face.source, face.kind)).chain(covers)
+        let covers = below.iter().chain(above).map(|cover| (cover.cell, cover.source, cover.kind.into()));
+        faces.map(|face| (face.cell, face.source, u32::from(face.kind))).chain(covers)
     }
 
     /// The triangles of a surface; none of [`NONE`].

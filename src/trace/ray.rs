@@ -43,6 +43,23 @@ impl Ray {
     }
 }
 
+/// An answer in brief: how far, and what. [`Scene::hit`](crate::Scene::hit) tells the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Brief {
+    /// Distance along the normalised direction, metres; infinite for a ray that escaped, NaN for one that starts in a solid.
+    pub t: f64,
+    /// Index of a triangle in whose plane the hit lies, of the element and the material that was met; or [`NONE`].
+    pub triangle: u32,
+    /// Index of the cell in which the ray ended, or [`NONE`].
+    pub cell: u32,
+}
+
+impl Brief {
+    /// Of a ray that left through the hull.
+    pub const ESCAPED: Brief = Brief { t: f64::INFINITY, triangle: NONE, cell: NONE };
+}
+
 /// Where a ray met the building.
 ///
 /// As a record in a buffer it also stands for the other two answers, see [`Hit::ESCAPED`] and [`Hit::in_solid`].

@@ -7,8 +7,9 @@ use super::cells::{Ended, among_all, nearest};
 use super::cost::Cost;
 use super::kernel::{Kernel, Plain, Probe};
 use super::path::Prisms;
-use super::ray::{Answer, Hit, NONE, Ray};
-use super::walk::{Query, Surface, each};
+use super::quick::Quick;
+use super::ray::{Answer, Brief, Hit, NONE, Ray};
+use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
 use crate::format::records::CellRecord;
 use crate::scene::Scene;
@@ -42,17 +43,20 @@ pub struct Want {
     /// In [`Hit::semantic`] the kind of the face that was met, where one was, instead of the element's meaning: costs a search
     /// among the faces of a cell.
     pub face: bool,
+    /// In [`Hit::triangle`] the very triangle, not another in its plane, of the same element and material: costs a test of all
+    /// triangles of a face.
+    pub triangle: bool,
 }
 
 impl Default for Want {
     fn default() -> Want {
-        Want { room: true, face: false }
+        Want { room: true, face: false, triangle: true }
     }
 }
 
 impl Want {
     /// Only what costs nothing.
-    pub const LEAST: Want = Want { room: false, face: false };
+    pub const LEAST: Want = Want { room: false, face: false, triangle: false };
 
     /// The same, and the kind of the face.
     pub const fn with_face(self) -> Want {
@@ -86,7 +90,76 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        if let Start::Cell(cell) = start
+            && let Some(quick) = kernel.quick::<false>(&self.tables, ray, cell)
+        {
+            return self.describe_quick(ray, &quick, want);
+        }
         self.answer(start, ray, want, &mut Plain::<false>(kernel))
+    }
+
+    /// What the ray meets first, in brief: the fastest way to ask.
+    ///
+    /// ```no_run
+    /// # use enfilade::{Place, Ray, Scene, Start};
+    /// # let scene = Scene::open("house.enf".as_ref())?;
+    /// let eye = [2.0, 3.0, 1.6];
+    /// let Place::Air { cell, .. } = scene.locate(eye) else { return Ok(()) };
+    /// let brief = scene.trace_brief(Start::Cell(cell), &Ray::new(eye, [1.0, 0.0, 0.0]));
+    /// println!("{} m", brief.t);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn trace_brief(&self, start: Start<'_>, ray: &Ray) -> Brief {
+        self.trace_brief_with(self.kernel, start, ray)
+    }
+
+    /// [`Scene::trace_brief`] on a kernel of choice.
+    #[inline]
+    pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
+        if let Start::Cell(cell) = start
+            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, cell)
+        {
+            let t = if found.triangle == NONE { f64::INFINITY } else { found.t };
+            return Brief { t, triangle: found.triangle, cell };
+        }
+        let hit = self.answer(start, ray, Want::LEAST, &mut Plain::<false>(kernel));
+        Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
+    }
+
+    /// The hit of a brief answer to `ray`; that of a ray that starts in a solid lacks the element.
+    pub fn hit(&self, ray: &Ray, brief: &Brief, want: Want) -> Hit {
+        let Brief { t, triangle, cell } = *brief;
+        if triangle as usize >= self.tables.triangles.len() || cell as usize >= self.tables.cells.len() {
+            return Hit { t, ..Hit::ESCAPED };
+        }
+        self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source: NONE }, want)
+    }
+
+    /// What the quick way found, as a record.
+    fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
+        let &Quick { mut found, cell, source } = quick;
+        let Some(direction) = unit(DVec3::from(ray.direction)) else { return Hit::ESCAPED };
+        if found.triangle == NONE {
+            return Hit::ESCAPED;
+        }
+        let (tmin, tmax) = (ray.tmin, ray.tmax);
+        let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
+        if want.triangle && source != NONE {
+            found.triangle = self.very_triangle(&line, source).unwrap_or(found.triangle);
+        }
+        self.describe(&line, Ended { found, cell, in_matter: false }, want)
+    }
+
+    /// The first triangle of a source that the ray meets.
+    fn very_triangle(&self, line: &Line, source: u32) -> Option<u32> {
+        let walk = Walk::new(&self.tables);
+        let query = line.query(&self.tables, None);
+        let mut best = Found { t: f64::INFINITY, triangle: NONE };
+        for &triangle in Prisms::new(&self.tables).triangles_of(source) {
+            query.test(&walk, triangle, &mut best);
+        }
+        (best.triangle != NONE).then_some(best.triangle)
     }
 
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
@@ -285,5 +358,14 @@ fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
             Some(Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin: line.tmin })
         }
         _ => None,
+    }
+}
+#[doc(hidden)]
+impl Scene {
+    pub fn is_quick(&self, cell: u32, ray: &Ray) -> bool {
+        self.kernel.quick::<false>(&self.tables, ray, cell).is_some()
+    }
+    pub fn element_of(&self, t: u32) -> u32 {
+        self.tables.triangles[t as usize].element
     }
 }

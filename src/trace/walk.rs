@@ -31,6 +31,12 @@ pub(super) fn each<T, U>([x, y, z]: [T; 3], to: impl Fn(T) -> U) -> [U; 3] {
     [to(x), to(y), to(z)]
 }
 
+/// 1 by each component of a direction, none of them 0.
+#[inline(always)]
+pub(super) fn inverse(direction: [f32; 3]) -> [f32; 3] {
+    each(direction, |d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d })
+}
+
 /// The tables that a walk reads.
 pub(super) struct Walk<'a> {
     nodes: &'a [NodeRecord],
@@ -38,7 +44,7 @@ pub(super) struct Walk<'a> {
     triangles: &'a [TriangleRecord],
     vertices: &'a [[f64; 3]],
     volumes: &'a [VolumeRecord],
-    slack: f32,
+    scene: &'a SceneRecord,
 }
 
 impl<'a> Walk<'a> {
@@ -64,7 +70,7 @@ impl<'a> Walk<'a> {
             triangles: &tables.triangles,
             vertices: &tables.vertices,
             volumes: &tables.volumes,
-            slack: tables.scene[0].slack,
+            scene: &tables.scene[0],
         }
     }
 }
@@ -105,15 +111,8 @@ pub(super) struct Query {
     local: [f32; 3],
     toward: [f32; 3],
     inverse: [f32; 3],
-    /// Axes of the shear: two across the ray and the one along which it mostly runs.
-    axes: [usize; 3],
-    shear: [f64; 3],
     pub(super) surface: Option<Surface>,
     root: u32,
-    /// A triangle that the ray passes no farther than this, metres, is met: the same for all that it comes to.
-    near: f64,
-    /// Edge functions of triangles in the hull that are farther from zero than this have the right sign.
-    unsure: f64,
 }
 
 impl Query {
@@ -131,40 +130,15 @@ impl Query {
     ) -> Query {
         let local = (origin + direction * start - DVec3::from(scene.center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
-        let inverse = each(toward, |d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
-        let reach = origin.abs().max_element();
-        // A sheared corner is at most twice as far across as this, and less than twice as deep.
+        let inverse = inverse(toward);
+        Query { origin, direction, tmin, tmax, start, local, toward, inverse, surface, root }
+    }
+
+    /// How far, metres, anything that the ray meets is from its origin along an axis at most.
+    #[inline(always)]
+    fn farthest(&self, scene: &SceneRecord) -> f64 {
         let [lo, hi] = scene.hull.map(|corner| DVec3::from(corner).abs());
-        let farthest = reach + lo.max(hi).max_element();
-        let (near, unsure) = (ROUNDING * farthest, ROUNDING * (3.0 * farthest) * (12.0 * farthest));
-        let d = direction.to_array();
-        let size = each(d, f64::abs);
-        let along = if size[0] > size[1] && size[0] > size[2] {
-            0
-        } else if size[1] > size[2] {
-            1
-        } else {
-            2
-        };
-        let axes = [(along + 1) % 3, (along + 2) % 3, along];
-        let scale = 1.0 / d[along];
-        let shear = [d[axes[0]] * scale, d[axes[1]] * scale, scale];
-        Query {
-            origin,
-            direction,
-            tmin,
-            tmax,
-            start,
-            local,
-            toward,
-            inverse,
-            axes,
-            shear,
-            surface,
-            root,
-            near,
-            unsure,
-        }
+        self.origin.abs().max_element() + lo.max(hi).max_element()
     }
 
     /// The f32 distance, from `local`, beyond which nothing is nearer than `t`.
@@ -186,8 +160,23 @@ impl Query {
     pub(super) fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
         let record = &walk.triangles[index as usize];
         let corners = each(record.vertices, |v| walk.vertices[v as usize]);
-        let [kx, ky, kz] = self.axes;
-        let [sx, sy, sz] = self.shear;
+        let d = self.direction.to_array();
+        let size = each(d, f64::abs);
+        // Two axes across the ray and the one along which it mostly runs.
+        let kz = if size[0] > size[1] && size[0] > size[2] {
+            0
+        } else if size[1] > size[2] {
+            1
+        } else {
+            2
+        };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let sz = 1.0 / d[kz];
+        let (sx, sy) = (d[kx] * sz, d[ky] * sz);
+        // A sheared corner is at most twice as far across as the farthest point, and less than twice as deep: edge functions
+        // farther from zero than `unsure` have the right sign.
+        let farthest = self.farthest(walk.scene);
+        let unsure = ROUNDING * (3.0 * farthest) * (12.0 * farthest);
         let o = self.origin.to_array();
         let sheared = each(corners, |p| {
             let z = p[kz] - o[kz];
@@ -197,14 +186,15 @@ impl Query {
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        let unsure = self.unsure;
         if (u < -unsure || v < -unsure || w < -unsure) && (u > unsure || v > unsure || w > unsure) {
             return false;
         }
         let t = if u.abs() > unsure && v.abs() > unsure && w.abs() > unsure {
             (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
         } else {
-            match self.near_edge(&corners, &sheared, [u, v, w]) {
+            // A triangle that the ray passes no farther than this is met: the same for all that it comes to.
+            let near = ROUNDING * farthest;
+            match self.near_edge(near, &corners, &sheared, [u, v, w]) {
                 Some(t) => t,
                 None => return false,
             }
@@ -237,6 +227,7 @@ impl Query {
     #[inline(never)]
     fn near_edge(
         &self,
+        near: f64,
         corners: &[[f64; 3]; 3],
         sheared: &[[f64; 3]; 3],
         [u, v, w]: [f64; 3],
@@ -244,7 +235,7 @@ impl Query {
         let sides = [0, 1, 2].map(|i| Side::new(sheared[i], sheared[(i + 1) % 3]));
         let is_beside = (u > 0.0 || v > 0.0 || w > 0.0) && (u < 0.0 || v < 0.0 || w < 0.0);
         // Written so that a NaN is met.
-        if is_beside && sides.iter().all(|side| side.distance() > self.near) {
+        if is_beside && sides.iter().all(|side| side.distance() > near) {
             return None;
         }
         let longer =
@@ -252,7 +243,7 @@ impl Query {
         let longest = &sides[longer(longer(0, 1), 2)];
         let det = u + v + w;
         // Half: what is left out is narrower than what its neighbours are met beside them, on either side.
-        if det.abs() > 0.5 * self.near * longest.square.sqrt() {
+        if det.abs() > 0.5 * near * longest.square.sqrt() {
             let [a, b, c] = sheared;
             return Some((u * a[2] + v * b[2] + w * c[2]) / det);
         }
@@ -361,11 +352,12 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
     if query.root == NONE {
         return best;
     }
+    let slack = walk.scene.slack;
     let inverse = each(query.inverse, |d| L::splat(d));
     let shift = each([0, 1, 2], |axis| L::splat(query.local[axis] * query.inverse[axis]));
-    let first = query.limit(query.tmin, walk.slack) - 4.0 * walk.slack;
-    let first = L::splat(first.max(-walk.slack));
-    let mut limit = query.limit(best.t, walk.slack);
+    let first = query.limit(query.tmin, slack) - 4.0 * slack;
+    let first = L::splat(first.max(-slack));
+    let mut limit = query.limit(best.t, slack);
     let mut stack = ArrayVec::<(u32, f32), STACK>::new();
     let entered = each(query.inverse, |d| usize::from(d < 0.0));
     let mut current = query.root;
@@ -414,7 +406,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
         } else {
             count.block();
             let block = &walk.blocks[(current & !BLOCK_BIT) as usize];
-            let found = candidates::<L>(block, query, limit, walk.slack);
+            let found = candidates::<L>(block, query, limit, slack);
             let mut lanes = L::bits(found.met);
             if lanes != 0 {
                 let t = found.t.store();
@@ -436,7 +428,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
                         if ANY {
                             return best;
                         }
-                        limit = query.limit(best.t, walk.slack);
+                        limit = query.limit(best.t, slack);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use enfilade::{Answer, Kernel, Ray, Scene, Start, Want};
+use enfilade::{Answer, Kernel, Ray, Scene, Start};
 
 use crate::way::{Met, Rays, Way};
 
@@ -20,8 +20,8 @@ impl Way for Single {
 
     fn nearest(&self, rays: &Rays, met: &mut [Met]) {
         for ((ray, &cell), met) in rays.exact.iter().zip(&rays.cells).zip(met) {
-            let hit = self.scene.trace_with(self.kernel, Start::Cell(cell), ray, Want::LEAST);
-            *met = Met { t: hit.t, triangle: hit.triangle, padding: 0 };
+            let brief = self.scene.trace_brief_with(self.kernel, Start::Cell(cell), ray);
+            *met = Met { t: brief.t, triangle: brief.triangle, padding: 0 };
         }
     }
 
