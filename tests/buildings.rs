@@ -491,7 +491,7 @@ fn told(scene: &Scene, graph: &Graph) -> BTreeMap<u32, Is> {
         tell(&node.cells, Is::Opening(node.element));
     }
     for (cell, record) in
-        scene.cells().iter().zip(0..).filter(|(cell, _)| cell.semantic == Semantic::Exterior as u32)
+        scene.cells().iter().zip(0..).filter(|(cell, _)| cell.semantic == Semantic::Exterior as u16)
     {
         tell(&[record], Is::In(Place::Exterior));
         assert_eq!(cell.room, enfilade::NONE);

@@ -13,7 +13,7 @@ use enfilade_testing::Random;
 
 /// What the face of a hit is called by what the scene says of its cell and its element.
 fn expected(scene: &Scene, hit: &Hit) -> FaceKind {
-    let air = Semantic::from_number(scene.cells()[hit.cell as usize].semantic).unwrap();
+    let air = Semantic::from_number(scene.cells()[hit.cell as usize].semantic.into()).unwrap();
     let element = scene.element(hit.element).semantic();
     let part = match hit.normal[2] {
         z if z > 1e-6 => Part::Floor,

@@ -18,7 +18,9 @@ mod report;
 
 use std::time::Instant;
 
-use enfilade_importers::{Budget, Cancelled, LightKind, Limits, Model, OverBudget, Untagged, UpAxis, Watch};
+use enfilade_importers::{
+    Budget, Cancelled, LightKind, Limits, Model, OverBudget, Role, Untagged, UpAxis, Watch,
+};
 
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
@@ -366,6 +368,13 @@ fn add_detail(
             pairs.unwrap_or_default()
         }
     };
+    // Faces of solids that are none of a cell's go through it, or along it.
+    for &(cell, triangle) in &pairs {
+        let volume = tables.volumes.get(tables.triangles[triangle as usize].volume as usize);
+        if volume.is_some_and(|volume| volume.role == Role::Solid as u32) {
+            tables.cells[cell as usize].flags = 0;
+        }
+    }
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     run.budget.take_items(
         pairs.len() as u64 + all,

@@ -11,7 +11,7 @@ use crate::format::Tables;
 use crate::format::records::{CellRecord, PLAIN, PlateRecord, SourceRecord};
 use crate::graph::{At, Part, area, clipped, cut, parts};
 use crate::parallel;
-use crate::trace::{BLURRED, NONE, Prisms};
+use crate::trace::{BLURRED, NONE, Prisms, step_of};
 
 /// No corner of a plain face is farther from its plane than this, metres.
 const NEAR: f64 = 2e-4;
@@ -37,7 +37,7 @@ struct Found {
 }
 
 /// Drops from the sources of faces and covers what rays cannot meet there, marks those of prisms of air that are plain, and fills the
-/// section `plates`. Returns how many are plain.
+/// sections `plates` and `steps`. Returns how many are plain.
 pub(super) fn add(tables: &mut Tables) -> u64 {
     let found = parallel::map(tables.cells.len(), |index| {
         let (prisms, cell) = (Prisms::of(tables), &tables.cells[index]);
@@ -75,6 +75,8 @@ pub(super) fn add(tables: &mut Tables) -> u64 {
     }
     (tables.sources, tables.surfaces) = (lists.sources, lists.triangles);
     tables.plates = tables.sources.iter().map(|source| plate(tables, source.plane)).collect();
+    let prisms = Prisms::of(tables);
+    tables.steps = tables.cells.iter().map(|cell| step_of(&prisms, cell)).collect();
     plain
 }
 
@@ -107,18 +109,18 @@ fn corners(tables: &Tables, triangle: u32) -> [DVec3; 3] {
 /// The plane of a triangle; zeros for none.
 fn plate(tables: &Tables, triangle: u32) -> PlateRecord {
     if triangle == NONE {
-        return PlateRecord::default();
+        return PlateRecord { normal: [0.0; 3], offset: 0.0, triangle, reserved: 0 };
     }
     let [a, b, c] = corners(tables, triangle);
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    PlateRecord { normal: normal.to_array(), offset: normal.dot(a) }
+    PlateRecord { normal: normal.to_array(), offset: normal.dot(a), triangle, reserved: 0 }
 }
 
 /// What rays can meet at a part of a cell's surface; `None` if it is not between air and matter, or its triangles lie in no one plane
 /// near it.
 fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Option<Found> {
     let source = tables.sources.get(part.source as usize)?;
-    let PlateRecord { normal, offset } = plate(tables, source.plane);
+    let PlateRecord { normal, offset, .. } = plate(tables, source.plane);
     let normal = DVec3::from(normal);
     let triangles = prisms.triangles_of(part.source);
     let is_there = part.corners.iter().all(|&p| (normal.dot(p) - offset).abs() <= NEAR);
@@ -132,10 +134,9 @@ fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Opti
     };
     let border = turned(part.corners.iter().map(|&p| flat(p)).collect());
     let shrunk = |by: f64| {
-        edges(&border).filter_map(|[p, q]| Some(((q - p).perp().try_normalize()?, p))).fold(
-            border.clone(),
-            |polygon, (inward, p)| cut(&polygon, |r| inward.dot(r - p) - by),
-        )
+        edges(&border)
+            .filter_map(|[p, q]| Some(((q - p).perp().try_normalize()?, p)))
+            .fold(border.clone(), |polygon, (inward, p)| cut(&polygon, |r| inward.dot(r - p) - by))
     };
     // Nearer to the border no ray is asked about.
     let reached = shrunk(BLURRED / 2.0);

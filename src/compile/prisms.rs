@@ -6,7 +6,7 @@ use super::geometry::Gathered;
 use crate::building::{FaceKind, NamedCells};
 use crate::format::Tables;
 use crate::format::records::{
-    CellRecord, CornersRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
+    CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord, Traits,
 };
 use crate::lattice::{FINE, LARGEST, Point, orient};
 use crate::partition::cells::{Cell, Cover, Face, Label, NONE, Partition, Section};
@@ -44,7 +44,8 @@ pub(super) fn add(
     tables.cells.push(CellRecord {
         bounds: hull,
         kind: CellRecord::AROUND,
-        semantic: around.number(),
+        semantic: around.number() as u16,
+        flags: 0,
         element: NONE,
         room: NONE,
         root: NONE,
@@ -69,8 +70,6 @@ pub(super) fn add(
     for (i, cell) in partition.cells.iter().enumerate() {
         run.cell(cell, tables).map_err(|what| format!("cell {i}: {what}"))?;
     }
-    let sides = |cell: &CellRecord| &tables.sides[cell.first_side as usize..][..cell.sides as usize];
-    tables.corners = tables.cells.iter().map(|cell| CornersRecord::of(sides(cell))).collect();
     let added = Added { traits: Traits(if run.sloped { Traits::SLOPED } else { 0 }), joined: run.joined };
     for (i, source) in partition.sources.iter().enumerate() {
         let first = tables.surfaces.len();
@@ -194,7 +193,8 @@ impl Run<'_> {
         tables.cells.push(CellRecord {
             bounds,
             kind,
-            semantic: semantic.number(),
+            semantic: semantic.number() as u16,
+            flags: if kind == CellRecord::AIR { CellRecord::FREE } else { 0 },
             element,
             room: self.rooms.get(element as usize).copied().unwrap_or(NONE),
             root: NONE,

@@ -2,10 +2,10 @@
 
 use enfilade_importers::Semantic;
 
-use super::records::{CellRecord, CornersRecord, PLAIN, SideRecord, SourceRecord};
+use super::records::{CellRecord, PLAIN, SideRecord, SourceRecord};
 use super::tables::{Views, ensure, invalid, is_box, within};
 use super::{FaceKind, FormatError};
-use crate::trace::NONE;
+use crate::trace::{NONE, Prisms, step_of};
 
 /// No lattice coordinate is larger: what f32 counts exactly.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -24,6 +24,7 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
     sides(v)?;
     beyond(v)?;
     sources(v)?;
+    steps(v)?;
     grid(v)
 }
 
@@ -33,9 +34,10 @@ fn cells(v: &Views) -> Result<(), FormatError> {
     let (mut sides, mut covers) = (0u64, 0u64);
     for (i, c) in v.cells.iter().enumerate() {
         ensure(is_box(c.bounds), "cells", i, || "the bounds are no box".to_owned())?;
-        ensure(Semantic::from_number(c.semantic).is_some(), "cells", i, || {
+        ensure(Semantic::from_number(c.semantic.into()).is_some(), "cells", i, || {
             format!("semantic {}", c.semantic)
         })?;
+        ensure(c.flags <= CellRecord::FREE, "cells", i, || format!("flags {}", c.flags))?;
         ensure(optional(c.room, v.rooms.len()), "cells", i, || format!("room {}", c.room))?;
         ensure(optional(c.element, v.elements.len()), "cells", i, || format!("element {}", c.element))?;
         let kind = if i == 0 {
@@ -113,13 +115,6 @@ fn sides(v: &Views) -> Result<(), FormatError> {
         faces += u64::from(side.faces);
         ensure(faces <= v.faces.len() as u64, "sides", i, || format!("faces up to {faces}"))?;
     }
-    for (i, cell) in v.cells.iter().enumerate() {
-        // What `cells` found to be there.
-        let own = &v.sides[cell.first_side as usize..(cell.first_side + cell.sides) as usize];
-        let is_same = v.corners.get(i) == Some(&CornersRecord::of(own));
-        ensure(is_same, "corners", i, || "not the corners of the cell's sides".to_owned())?;
-    }
-    ensure(v.corners.len() == v.cells.len(), "corners", v.cells.len(), || "more than cells".to_owned())?;
     let last = v.sides.len().saturating_sub(1);
     ensure(faces == v.faces.len() as u64, "sides", last, || "faces are left over".to_owned())
 }
@@ -166,8 +161,10 @@ fn sources(v: &Views) -> Result<(), FormatError> {
     }
     let plates = v.plates.len();
     ensure(plates == v.sources.len(), "plates", 0, || format!("{plates} for {} sources", v.sources.len()))?;
-    for (i, plate) in v.plates.iter().enumerate() {
-        let ok = within(plate.offset) && plate.normal.iter().all(|c| c.abs() <= 2.0);
+    for (i, (plate, source)) in v.plates.iter().zip(v.sources.iter()).enumerate() {
+        let ok = within(plate.offset)
+            && plate.normal.iter().all(|c| c.abs() <= 2.0)
+            && plate.triangle == source.plane;
         ensure(ok, "plates", i, || "not a plane".to_owned())?;
     }
     let last = v.sources.len().saturating_sub(1);
@@ -177,6 +174,20 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         Some(i) => invalid("surfaces", i, format!("triangle {}", v.surfaces[i])),
         None => Ok(()),
     }
+}
+
+/// They are what the other sections, checked before, make them.
+fn steps(v: &Views) -> Result<(), FormatError> {
+    ensure(v.steps.len() == v.cells.len(), "steps", 0, || {
+        format!("{} for {} cells", v.steps.len(), v.cells.len())
+    })?;
+    let prisms = Prisms::new(v);
+    for (i, (cell, step)) in v.cells.iter().zip(v.steps.iter()).enumerate() {
+        let made = step_of(&prisms, cell);
+        let is_same = bytemuck::bytes_of(&made) == bytemuck::bytes_of(step);
+        ensure(is_same, "steps", i, || "not what the cell's other records make it".to_owned())?;
+    }
+    Ok(())
 }
 
 fn grid(v: &Views) -> Result<(), FormatError> {

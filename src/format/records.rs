@@ -165,7 +165,9 @@ pub struct CellRecord {
     /// What it is: [`CellRecord::AROUND`], [`CellRecord::AIR`], [`CellRecord::SOLID`].
     pub kind: u32,
     /// Number of the semantic of what fills it.
-    pub semantic: u32,
+    pub semantic: u16,
+    /// [`CellRecord::FREE`] or 0.
+    pub flags: u16,
     /// The element that fills or labels it, or none.
     pub element: u32,
     /// Its room, or none.
@@ -195,6 +197,8 @@ impl CellRecord {
     pub const AIR: u32 = 1;
     /// A prism of matter.
     pub const SOLID: u32 = 2;
+    /// The flag of a prism of air into which the inside of no closed solid reaches, farther than cells differ from the model.
+    pub const FREE: u16 = 1;
 }
 
 /// Section `sides`: a vertical side of a prism, over the edge of its footprint from here to the next side's start.
@@ -209,52 +213,49 @@ pub struct SideRecord {
     pub faces: u32,
 }
 
-/// Section `corners`, one for each cell: where the border of its footprint turns, for kernels that look at all corners at once.
+/// Section `steps`, one for each cell: all that a ray's way through a simple prism of air needs, side by side. It says nothing that the
+/// other sections do not say.
 ///
-/// Of a prism with at most eight corners that turn, the first side starting at one of them; of all others zeros.
+/// Of cells that are no prisms of air with at most eight corners that turn, and at most 255 sides, the first of them starting at such a
+/// corner: zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct CornersRecord {
-    /// x of each corner, as [`SideRecord::start`] has it; then of the first again and again.
+pub struct StepRecord {
+    /// x of each corner of the footprint at which its border turns, as [`SideRecord::start`] has it; then of the first again.
     pub x: [f32; LANES],
     /// The same for y.
     pub y: [f32; LANES],
-    /// The side that starts there, counted from the cell's first; then the number of its sides again and again.
-    pub side: [u16; LANES],
+    /// Where the edge from each leads, a *link*; zeros for none.
+    pub next: [u32; LANES],
+    /// The side that starts at each corner, counted from the cell's first; then the number of its sides again.
+    pub side: [u8; LANES],
+    /// Heights of floor and ceiling, exact; NaN if one is sloped.
+    pub height: [f32; 2],
+    /// Where floor and ceiling lead.
+    pub vertical: [u32; 2],
 }
 
-impl CornersRecord {
-    const NONE: CornersRecord = CornersRecord { x: [0.0; LANES], y: [0.0; LANES], side: [0; LANES] };
+impl StepRecord {
+    /// Of cells that are not simple.
+    pub(crate) const NONE: StepRecord = StepRecord {
+        x: [0.0; LANES],
+        y: [0.0; LANES],
+        next: [0; LANES],
+        side: [0; LANES],
+        height: [0.0; 2],
+        vertical: [0; 2],
+    };
+    /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
+    /// a link is the number of a prism of air.
+    pub const PLATE: u32 = 1 << 31;
+    /// The link of what has several parts: the other sections tell.
+    pub const PARTS: u32 = u32::MAX - 1;
+    /// The link of what lies around the prisms.
+    pub const AROUND: u32 = u32::MAX - 2;
+    /// The link of what is left to other kernels: matter that is not plain.
+    pub const OTHER: u32 = u32::MAX;
 
-    /// Those of a footprint.
-    pub(crate) fn of(sides: &[SideRecord]) -> CornersRecord {
-        let count = sides.len();
-        if count < 3 || count > usize::from(u16::MAX) {
-            return CornersRecord::NONE;
-        }
-        let mut record = CornersRecord::NONE;
-        let mut corners = 0;
-        for (index, side) in sides.iter().enumerate() {
-            let [a, b, c] = [&sides[(index + count - 1) % count], side, &sides[(index + 1) % count]]
-                .map(|side| side.start.map(f64::from));
-            // Exact: coordinates on the lattice have 25 bits.
-            if (b[0] - a[0]) * (c[1] - b[1]) == (b[1] - a[1]) * (c[0] - b[0]) {
-                continue;
-            }
-            if corners == LANES || (corners == 0 && index > 0) {
-                return CornersRecord::NONE;
-            }
-            [record.x[corners], record.y[corners]] = side.start;
-            record.side[corners] = index as u16;
-            corners += 1;
-        }
-        for lane in corners..LANES {
-            (record.x[lane], record.y[lane], record.side[lane]) = (record.x[0], record.y[0], count as u16);
-        }
-        record
-    }
-
-    /// Whether it has them.
+    /// Whether the cell is simple.
     #[inline(always)]
     pub(crate) fn is_some(&self) -> bool {
         self.side[1] != 0
@@ -326,13 +327,17 @@ impl SourceRecord {
 
 /// Section `plates`: the plane of each source whose triangles lie in one: `normal . p = offset`, internal frame, metres. Zeros
 /// for others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PlateRecord {
     /// Unit length.
     pub normal: [f64; 3],
     /// Metres.
     pub offset: f64,
+    /// One of the source's triangles: that in whose plane the others lie. None for others.
+    pub triangle: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 /// Section `materials`.
@@ -537,12 +542,12 @@ mod tests {
         assert_eq!(size_of::<RoomRecord>(), 72);
         assert_eq!(size_of::<CellRecord>(), 96);
         assert_eq!(size_of::<SideRecord>(), 16);
-        assert_eq!(size_of::<CornersRecord>(), 80);
+        assert_eq!(size_of::<StepRecord>(), 120);
         assert_eq!(size_of::<FaceRecord>(), 16);
         assert_eq!(size_of::<CoverRecord>(), 12);
         assert_eq!(size_of::<PlaneRecord>(), 24);
         assert_eq!(size_of::<SourceRecord>(), 16);
-        assert_eq!(size_of::<PlateRecord>(), 32);
+        assert_eq!(size_of::<PlateRecord>(), 40);
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);

@@ -10,9 +10,9 @@ use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
-    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CornersRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
-    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, PlateRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
-    Text, Traits, TriangleRecord, VolumeRecord,
+    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
+    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, PlateRecord, RoomRecord, SceneRecord, SideRecord,
+    SourceRecord, StepRecord, Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
 use crate::trace::NONE;
@@ -91,8 +91,8 @@ sections! {
     rooms: RoomRecord;
     /// Cells.
     cells: CellRecord;
-    /// Corners of cells.
-    corners: CornersRecord;
+    /// What rays need of simple cells.
+    steps: StepRecord;
     /// Sides of cells.
     sides: SideRecord;
     /// Faces of sides.

@@ -270,7 +270,7 @@ pub(crate) fn is_opening(semantic: Semantic) -> bool {
 
 /// What a cell of air is; voids are not told from each other.
 fn air(cell: &CellRecord) -> Fill {
-    match Semantic::from_number(cell.semantic).unwrap_or_default() {
+    match Semantic::from_number(cell.semantic.into()).unwrap_or_default() {
         semantic if is_opening(semantic) && cell.element != NONE => Fill::Opening(cell.element),
         Semantic::Exterior => Fill::Place(Place::Exterior),
         _ if cell.room != NONE => Fill::Place(Place::Room(cell.room)),

@@ -48,7 +48,13 @@ pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             if corners.len() >= 3 {
                 let corners = corners.into_iter().map(|p| prisms.global(p)).collect();
                 let at = At::Face(side.first_face + number);
-                parts.push(Part { corners, beyond: face.cell, source: face.source, kind: face.kind.into(), at });
+                parts.push(Part {
+                    corners,
+                    beyond: face.cell,
+                    source: face.source,
+                    kind: face.kind.into(),
+                    at,
+                });
             }
             below = top;
         }
@@ -65,7 +71,13 @@ pub(crate) fn parts(prisms: &Prisms<'_>, cell: &CellRecord) -> Vec<Part> {
             }
             let corners =
                 polygon.into_iter().map(|p| prisms.global(p.extend(prisms.height(plane, p)))).collect();
-            parts.push(Part { corners, beyond: cover.cell, source: cover.source, kind: cover.kind.into(), at });
+            parts.push(Part {
+                corners,
+                beyond: cover.cell,
+                source: cover.source,
+                kind: cover.kind.into(),
+                at,
+            });
         }
     }
     parts

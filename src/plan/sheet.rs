@@ -67,7 +67,7 @@ pub fn floor_plan(scene: &Scene, storey: &PlanStorey, options: &PlanOptions) -> 
     let (mut walls, mut voids): (BTreeMap<u32, Vec<&CutCell>>, Vec<&CutCell>) = (BTreeMap::new(), Vec::new());
     for cell in &cells {
         let CellRecord { kind, semantic, element, room, .. } = *record(cell);
-        match Semantic::from_number(semantic).unwrap_or_default() {
+        match Semantic::from_number(semantic.into()).unwrap_or_default() {
             _ if kind == CellRecord::SOLID => walls.entry(element).or_default().push(cell),
             Semantic::Door | Semantic::Window | Semantic::Opening => {
                 openings.entry(element).or_default().push(cell)
@@ -144,7 +144,8 @@ fn tint(room: u32) -> Color {
 fn around(cells: &[CutCell], prisms: &Prisms<'_>, scene: &Scene) -> [[f64; 2]; 2] {
     let is_shown = |cell: &&CutCell| {
         let record = &prisms.cells[cell.cell as usize];
-        record.kind == CellRecord::SOLID || Semantic::from_number(record.semantic) != Some(Semantic::Exterior)
+        record.kind == CellRecord::SOLID
+            || Semantic::from_number(record.semantic.into()) != Some(Semantic::Exterior)
     };
     let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for p in cells.iter().filter(is_shown).flat_map(|cell| &cell.polygon) {

@@ -39,6 +39,9 @@ impl Scene {
         if !(0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis]) {
             return Place::Outside;
         }
+        if let Some(cell) = self.free_cell(point) {
+            return self.place_in(cell);
+        }
         if let Some(volume) = smallest(&self.tables, point, Role::Solid) {
             return Place::InSolid(volume.element);
         }
@@ -46,10 +49,8 @@ impl Scene {
         if self.tables.cells.len() > 1 {
             let prisms = Prisms::new(&self.tables);
             cell = prisms.place(prisms.local(DVec3::from(point)), self.tolerance()).unwrap_or(0);
-            let CellRecord { kind, semantic, room, .. } = prisms.cells[cell as usize];
-            if kind == CellRecord::AIR {
-                let label = Semantic::from_number(semantic).unwrap_or_default();
-                return Place::Air { cell, label, room: (room != NONE).then_some(room) };
+            if prisms.cells[cell as usize].kind == CellRecord::AIR {
+                return self.place_in(cell);
             }
         }
         let label = smallest(&self.tables, point, Role::Air);
@@ -58,6 +59,20 @@ impl Scene {
             Semantic::from_number(element.semantic).unwrap_or_default()
         });
         Place::Air { cell, label: semantic, room: self.room_at(point) }
+    }
+
+    /// The air of a prism.
+    fn place_in(&self, cell: u32) -> Place {
+        let CellRecord { semantic, room, .. } = self.tables.cells[cell as usize];
+        let label = Semantic::from_number(semantic.into()).unwrap_or_default();
+        Place::Air { cell, label, room: (room != NONE).then_some(room) }
+    }
+
+    /// The prism of air that holds a point, where that is in no doubt.
+    #[inline]
+    pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
+        let prisms = Prisms::new(&self.tables);
+        prisms.free(prisms.local(DVec3::from(point)))
     }
 
     /// The smallest room that holds `point`.

@@ -15,6 +15,7 @@ mod plan;
 mod quick;
 mod ray;
 mod single;
+mod step;
 mod walk;
 
 pub use cost::Cost;
@@ -22,10 +23,11 @@ pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]
 pub(crate) use locate::{crossings, height};
-pub(crate) use path::Prisms;
 #[cfg(feature = "compile")]
 #[cfg(feature = "compile")]
 pub(crate) use path::BLURRED;
+pub(crate) use path::Prisms;
 pub(crate) use path::to_lattice;
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
+pub(crate) use step::step_of;

@@ -181,6 +181,12 @@ impl<'a> Prisms<'a> {
         p * at.x + q * at.y + height
     }
 
+    /// The height of a plane that is level.
+    pub(super) fn level(&self, plane: u32) -> Option<f64> {
+        let PlaneRecord { slope, height } = *self.planes.get(plane as usize)?;
+        (slope == [0.0; 2]).then_some(height)
+    }
+
     /// A point from the lattice's origin, along its axes, in the internal frame.
     pub(crate) fn global(&self, point: DVec3) -> DVec3 {
         self.turned_back(point) + DVec3::from(self.origin)
@@ -318,6 +324,23 @@ impl<'a> Prisms<'a> {
             (point.z - p * point.x - q * point.y - height) * up / (1.0 + p * p + q * q).sqrt()
         };
         over(cell.floor, -1.0).max(over(cell.ceiling, 1.0)).max(-inward(self.sides_of(cell), point))
+    }
+
+    /// The prism of air that holds a point (from the lattice's origin), farther from its border than cells differ from the model, if no
+    /// closed solid may hold the point too.
+    #[inline]
+    pub(super) fn free(&self, point: DVec3) -> Option<u32> {
+        if !self.hold(point) {
+            return None;
+        }
+        let is_free = |&&index: &&u32| {
+            let cell = &self.cells[index as usize];
+            let [lo, hi] = &cell.bounds;
+            cell.flags == CellRecord::FREE
+                && (0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis])
+                && self.nearly_holds(cell, point, -BLURRED)
+        };
+        self.listed(point).iter().find(is_free).copied()
     }
 
     /// The prism of air that holds `point` (from the lattice's origin) or is nearest to it, and no farther than `margin`;

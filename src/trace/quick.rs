@@ -16,10 +16,10 @@ use super::path::{BLURRED, NEAR};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, inverse};
 use crate::format::Views;
-use crate::format::records::{BLOCK_BIT, CellRecord, CornersRecord, CoverRecord, LANES, PLAIN, SideRecord, Traits};
+use crate::format::records::{BLOCK_BIT, CellRecord, CoverRecord, LANES, PLAIN, SideRecord, StepRecord};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
-const UNIT: f64 = 4.0 * f64::EPSILON;
+const UNIT: f64 = 1e-14;
 
 /// Steeper rays, whose directions are shorter than this in the plan, are left to `cells`.
 const STEEPEST: f64 = 1e-3;
@@ -50,15 +50,11 @@ pub(super) fn quick<L: Lanes, P: Probe>(
     hint: u32,
     probe: &mut P,
 ) -> Option<Quick> {
-    if tables.scene[0].traits & Traits::SLOPED == 0 {
-        Way::<false>::new(tables, ray)?.run::<L>(hint, probe)
-    } else {
-        Way::<true>::new(tables, ray)?.run::<L>(hint, probe)
-    }
+    Way::new(tables, ray)?.run::<L>(hint, probe)
 }
 
-/// A ray under way; `SLOPED` if floors and ceilings may be.
-struct Way<'a, const SLOPED: bool> {
+/// A ray under way.
+struct Way<'a> {
     tables: &'a Views,
     /// As the caller has it.
     origin: DVec3,
@@ -73,32 +69,25 @@ struct Way<'a, const SLOPED: bool> {
     moment: f64,
     /// No corner may be nearer to the line than this, times the direction's length in the plan.
     blurred: f64,
-    /// The ray from the scene's center in f32, for boxes.
-    boxes: Boxes,
 }
 
-/// A ray in f32 as the test of boxes takes it.
-struct Boxes {
-    inverse: [f32; 3],
-    shift: [f32; 3],
-}
-
-/// Where a ray leaves a prism.
+/// Where a ray leaves a prism, and where that leads: a link of [`StepRecord`].
+#[derive(Clone, Copy)]
 struct Exit {
     t: f64,
-    cell: u32,
-    source: u32,
-    flags: u16,
+    link: u32,
 }
 
-/// The side of a footprint through which a line leaves it, and its ends.
-struct Side {
-    index: usize,
+/// An edge of a footprint.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// Its first side.
+    side: usize,
     a: [f32; 2],
     b: [f32; 2],
 }
 
-impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
+impl<'a> Way<'a> {
     #[inline(always)]
     fn new(tables: &'a Views, ray: &Ray) -> Option<Self> {
         let scene = &tables.scene[0];
@@ -127,67 +116,68 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
         }
         let moment = along.y * from.x - along.x * from.y;
         let steep = 1.0 / along.z;
-        let boxes = Boxes::new(origin - DVec3::from(scene.center), direction);
         let blurred = BLURRED * flat;
-        Some(Way { tables, origin, direction, limit: ray.tmax, from, along, steep, moment, blurred, boxes })
+        Some(Way { tables, origin, direction, limit: ray.tmax, from, along, steep, moment, blurred })
     }
 
     #[inline(always)]
     fn run<L: Lanes>(&self, hint: u32, probe: &mut impl Probe) -> Option<Quick> {
         let tables = self.tables;
-        let cells: &[CellRecord] = &tables.cells;
-        let (mut cell, mut record) = (hint, cells.get(hint as usize)?);
-        if record.kind != CellRecord::AIR {
-            return None;
-        }
-        let mut exit = self.leave::<L, true>(cell, record)?;
+        let mut cell = hint;
+        let mut exit = self.leave::<L, true>(cell)?;
         // Each once.
-        for _ in 0..cells.len() {
+        for _ in 0..tables.cells.len() {
             probe.cell();
             // What stands behind the face, if that ends the way.
-            let mut met: Option<Quick> = None;
-            if exit.source != NONE {
-                if exit.flags != PLAIN {
-                    return None;
-                }
-                let plate = &tables.plates[exit.source as usize];
+            let (mut t, mut triangle, mut source) = (exit.t, NONE, NONE);
+            let is_last = exit.link == StepRecord::AROUND;
+            if exit.link & StepRecord::PLATE != 0 && !is_last {
+                // No such source: left to others.
+                source = exit.link & !StepRecord::PLATE;
+                let plate = tables.plates.get(source as usize)?;
                 let normal = DVec3::from(plate.normal);
                 let toward = normal.dot(self.direction);
-                let t = (plate.offset - normal.dot(self.origin)) / toward;
+                t = (plate.offset - normal.dot(self.origin)) / toward;
                 // Not where it runs along it, nor where it starts in the matter by what cells are rounded.
                 if !(toward.abs() >= GRAZING && t >= 0.0) {
                     return None;
                 }
-                let triangle = tables.sources[exit.source as usize].plane;
-                met = Some(Quick { found: Found { t, triangle }, cell, source: exit.source });
+                triangle = plate.triangle;
             }
-            if record.root != NONE {
-                let until = match met {
-                    Some(met) if met.found.t > exit.t => met.found.t,
-                    _ => exit.t,
-                };
-                let until = if until + NEAR < self.limit { until + NEAR } else { self.limit };
-                if record.root & BLOCK_BIT != 0 || self.touches::<L>(record.root, until, probe) {
-                    let found = self.detail(record.root, until, probe);
-                    let is_nearer = |met: Quick| (found.t, found.triangle) < (met.found.t, met.found.triangle);
-                    if found.triangle != NONE && met.is_none_or(is_nearer) {
-                        met = Some(Quick { found, cell, source: NONE });
+            let root = tables.cells[cell as usize].root;
+            if root != NONE {
+                let until = if t > exit.t { t } else { exit.t } + NEAR;
+                let until = if until < self.limit { until } else { self.limit };
+                if root & BLOCK_BIT != 0 || self.touches::<L>(root, until, probe) {
+                    let found = self.detail(root, [0.0, until], probe);
+                    let is_nearer = triangle == NONE || (found.t, found.triangle) < (t, triangle);
+                    if found.triangle != NONE && is_nearer {
+                        (t, triangle, source) = (found.t, found.triangle, NONE);
                     }
                 }
             }
-            if let Some(met) = met {
-                return Some(if met.found.t <= self.limit { met } else { self.nothing(cell) });
+            if triangle != NONE {
+                let found = Found { t, triangle };
+                return Some(if t <= self.limit {
+                    Quick { found, cell, source }
+                } else {
+                    self.nothing(cell)
+                });
             }
             if exit.t > self.limit + tables.scene[0].tolerance {
                 return Some(self.nothing(cell));
             }
-            cell = exit.cell;
-            record = &cells[cell as usize];
-            // Matter without a surface, or the open around all prisms.
-            if record.kind != CellRecord::AIR {
-                return None;
+            if is_last {
+                // Where cells say that it leaves them, or a little before: what it passed within them it did not meet.
+                let found = self.detail(tables.cells[0].root, [exit.t - NEAR, self.limit], probe);
+                return Some(if found.triangle == NONE {
+                    self.nothing(0)
+                } else {
+                    Quick { found, cell: 0, source: NONE }
+                });
             }
-            exit = self.leave::<L, false>(cell, record)?;
+            cell = exit.link;
+            exit = self.leave::<L, false>(cell)?;
         }
         None
     }
@@ -199,9 +189,13 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
         let slack = self.tables.scene[0].slack;
         let until = until as f32;
         let node = &self.tables.nodes[root as usize];
+        let direction = self.direction;
+        let inverse = inverse([direction.x as f32, direction.y as f32, direction.z as f32]);
+        let local = self.origin - DVec3::from(self.tables.scene[0].center);
+        let local = [local.x as f32, local.y as f32, local.z as f32];
         let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
         for axis in 0..3 {
-            let (inverse, shift) = (L::splat(self.boxes.inverse[axis]), L::splat(self.boxes.shift[axis]));
+            let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
             let lo = L::load(&node.lo[axis]).mul_sub(inverse, shift);
             let hi = L::load(&node.hi[axis]).mul_sub(inverse, shift);
             near = near.max(lo.min(hi));
@@ -211,9 +205,9 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
     }
 
     #[inline(never)]
-    fn detail(&self, root: u32, until: f64, probe: &mut impl Probe) -> Found {
+    fn detail(&self, root: u32, [from, until]: [f64; 2], probe: &mut impl Probe) -> Found {
         let scene = &self.tables.scene[0];
-        let query = Query::new(self.origin, self.direction, (0.0, until), 0.0, scene, root, None);
+        let query = Query::new(self.origin, self.direction, (from.max(0.0), until), 0.0, scene, root, None);
         probe.first(&Walk::new(self.tables), &query)
     }
 
@@ -240,103 +234,165 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
     fn over(&self, plane: u32) -> (f64, f64) {
         let plane = &self.tables.planes[plane as usize];
         let [p, q] = plane.slope;
-        if SLOPED {
-            let (from, along) = (self.from, self.along);
-            (from.z - p * from.x - q * from.y - plane.height, along.z - p * along.x - q * along.y)
-        } else {
-            (self.from.z - plane.height, self.along.z)
-        }
+        let (from, along) = (self.from, self.along);
+        (from.z - p * from.x - q * from.y - plane.height, along.z - p * along.x - q * along.y)
     }
 
-    /// Where the line comes into the footprint and where it leaves it; `None` if it misses it.
+    /// Where the ray leaves a prism of air; if it is the `FIRST`, it must start in it.
     #[inline(always)]
-    fn sides<L: Lanes>(&self, corners: &CornersRecord, sides: &[SideRecord]) -> Option<[Side; 2]> {
-        if !corners.is_some() {
-            return self.sides_of_many(sides);
+    fn leave<L: Lanes, const FIRST: bool>(&self, cell: u32) -> Option<Exit> {
+        let step = self.tables.steps.get(cell as usize)?;
+        if !step.is_some() {
+            return self.leave_any::<FIRST>(cell);
         }
-        let (x, y) = (L::load(&corners.x), L::load(&corners.y));
-        let (dx, dy) = (L::splat(self.along.x as f32), L::splat(self.along.y as f32));
-        let moment = L::splat(self.moment as f32);
-        // The sides with their signs turned. What f32 adds is far less than `blurred`.
-        let turned = x.mul_sub(dy, y.mul_add(dx, moment));
-        let left = L::bits(turned.le(L::splat(0.0)));
-        let next_left = (left >> 1) | (left << (LANES - 1));
-        let (out, into) = (!left & next_left & 0xff, left & !next_left & 0xff);
-        if out == 0 || into == 0 {
+        let (x, y) = (L::load(&step.x), L::load(&step.y));
+        let mut index = 0;
+        let (mut a, mut right) = ([step.x[0], step.y[0]], self.side([step.x[0], step.y[0]]));
+        let (b, left) = loop {
+            let next = (index + 1) % LANES;
+            let b = [step.x[next], step.y[next]];
+            let side = self.side(b);
+            if right < 0.0 && side >= 0.0 {
+                break (b, side);
+            }
+            index += 1;
+            if index == LANES {
+                return None;
+            }
+            (a, right) = (b, side);
+        };
+        let [ex, ey] = edge(a, b);
+        let per = 1.0 / (left - right);
+        let t = self.crossing(a, [ex, ey]) * per;
+        let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
+        if FIRST {
+            let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
+            let (px, py) = (L::splat(self.from.x as f32).sub(x), L::splat(self.from.y as f32).sub(y));
+            let is_behind = L::bits(ey.mul(px).le(ex.mul(py))) == 0xff;
+            if !(is_behind && t >= 0.0 && self.from.z >= floor && self.from.z <= ceiling) {
+                return if floor.is_nan() || ceiling.is_nan() { self.leave_any::<FIRST>(cell) } else { None };
+            }
+        }
+        // Its height where it leaves the footprint, beside how far that of one aside is from there.
+        let height = self.from.z + t * self.along.z;
+        let blur = BLURRED * (2.0 + (ex.abs() + ey.abs()) * per * self.along.z.abs());
+        if height >= floor + blur && height <= ceiling - blur {
+            let link = step.next[index];
+            if link == StepRecord::PARTS {
+                let (first, end) =
+                    (step.side[index], if index + 1 < LANES { step.side[index + 1] } else { 0 });
+                return self.part(cell, Edge { side: first.into(), a, b }, end.into(), t, per);
+            }
+            let is_clear = -right >= self.blurred && left >= self.blurred;
+            return is_clear.then_some(Exit { t, link });
+        }
+        let (plane, vertical) = if height <= floor - blur {
+            (floor, 0)
+        } else if height >= ceiling + blur {
+            (ceiling, 1)
+        } else if floor.is_nan() || ceiling.is_nan() {
+            return self.leave_any::<FIRST>(cell);
+        } else {
+            return None;
+        };
+        let t = (plane - self.from.z) * self.steep;
+        let at = [self.from.x + t * self.along.x, self.from.y + t * self.along.y];
+        // Well within the border there: also of sides that it runs along and never comes to.
+        /// Somewhat more, for what f32 adds.
+        const MARGIN: f32 = 1.25 * BLURRED as f32;
+        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
+        let (px, py) = (L::splat(at[0] as f32).sub(x), L::splat(at[1] as f32).sub(y));
+        let inward = ex.mul_sub(py, ey.mul(px));
+        let least = ex.abs().add(ey.abs()).mul(L::splat(MARGIN));
+        if L::bits(least.le(inward)) != 0xff {
             return None;
         }
-        let at = |bits: u32| {
-            let index = bits.trailing_zeros() as usize % LANES;
-            let next = (index + 1) % LANES;
-            let a = [corners.x[index], corners.y[index]];
-            Side { index, a, b: [corners.x[next], corners.y[next]] }
-        };
-        let mut out = at(out);
-        // Of the sides that stand on that edge, the last that starts on the line's right.
-        let first = usize::from(corners.side[out.index]);
-        let end = if out.index == LANES - 1 { sides.len() } else { corners.side[out.index + 1].into() };
-        out.index = first;
-        for (side, index) in sides[first..end].iter().zip(first..).skip(1) {
-            if self.side(side.start) >= 0.0 {
-                out.b = side.start;
-                break;
-            }
-            (out.index, out.a) = (index, side.start);
+        match step.vertical[vertical] {
+            StepRecord::PARTS => self.cover(cell, vertical == 0, t, at, self.along.z),
+            link => Some(Exit { t, link }),
         }
-        Some([at(into), out])
     }
 
+    /// The part of an edge that the ray leaves through: of the sides up to `end`, or the last of all if that is 0, the last that starts
+    /// on its right, and of the faces of that the one at its height there.
     #[inline(never)]
-    fn sides_of_many(&self, sides: &[SideRecord]) -> Option<[Side; 2]> {
-        let mut found = [None, None];
-        let is_left = |side: &SideRecord| self.side(side.start) >= 0.0;
-        let mut before = is_left(&sides[0]);
-        for index in 0..sides.len() {
-            let next = &sides[if index + 1 == sides.len() { 0 } else { index + 1 }];
-            let after = is_left(next);
+    fn part(&self, cell: u32, edge_: Edge, end: usize, t: f64, per: f64) -> Option<Exit> {
+        let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        let first = record.first_side as usize;
+        let sides = &tables.sides[first..first + record.sides as usize];
+        let end = if end == 0 { sides.len() } else { end };
+        let [ex, ey] = edge(edge_.a, edge_.b);
+        let slant = (ex.abs() + ey.abs()) * per;
+        let Edge { side: mut index, mut a, mut b } = edge_;
+        for (side, number) in sides[index..end].iter().zip(index..).skip(1) {
+            if self.side(side.start) >= 0.0 {
+                b = side.start;
+                break;
+            }
+            (index, a) = (number, side.start);
+        }
+        if !(-self.side(a) >= self.blurred && self.side(b) >= self.blurred) {
+            return None;
+        }
+        self.face(&sides[index], t, slant)
+    }
+
+    /// The face of a side at the ray's height there.
+    #[inline(always)]
+    fn face(&self, side: &SideRecord, t: f64, slant: f64) -> Option<Exit> {
+        let first = side.first_face as usize;
+        let faces = &self.tables.faces[first..first + side.faces as usize];
+        let (last, others) = faces.split_last()?;
+        let mut face = last;
+        for other in others.iter().rev() {
+            let (over, grows) = self.over(other.top);
+            let over = over + t * grows;
+            if !(over.abs() >= BLURRED * (2.0 + slant * grows.abs())) {
+                return None;
+            }
+            if over < 0.0 {
+                face = other;
+            }
+        }
+        self.link(t, face.cell, face.source, face.flags)
+    }
+
+    #[inline(always)]
+    fn link(&self, t: f64, cell: u32, source: u32, flags: u16) -> Option<Exit> {
+        if source == NONE {
+            let link = match self.tables.cells[cell as usize].kind {
+                CellRecord::AIR => cell,
+                CellRecord::AROUND => StepRecord::AROUND,
+                _ => return None,
+            };
+            return Some(Exit { t, link });
+        }
+        (flags == PLAIN).then_some(Exit { t, link: StepRecord::PLATE | source })
+    }
+
+    /// The same as `leave`, of any prism of air.
+    #[inline(never)]
+    fn leave_any<const FIRST: bool>(&self, cell: u32) -> Option<Exit> {
+        let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        if record.kind != CellRecord::AIR {
+            return None;
+        }
+        let first = record.first_side as usize;
+        let sides = &tables.sides[first..first + record.sides as usize];
+        let (mut into, mut out) = (None, None);
+        let mut before = self.side(sides[0].start) >= 0.0;
+        for (side, here) in sides.iter().enumerate() {
+            let next = &sides[if side + 1 == sides.len() { 0 } else { side + 1 }];
+            let after = self.side(next.start) >= 0.0;
             if before != after {
-                found[usize::from(after)] = Some(Side { index, a: sides[index].start, b: next.start });
+                let found = Some(Edge { side, a: here.start, b: next.start });
+                if after { out = found } else { into = found }
             }
             before = after;
         }
-        let [into, out] = found;
-        Some([into?, out?])
-    }
-
-    /// Whether a point of the plan lies in the footprint, no nearer to its border than cells tell apart.
-    #[inline(always)]
-    fn is_within<L: Lanes>(
-        &self,
-        corners: &CornersRecord,
-        sides: &[SideRecord],
-        [px, py]: [f64; 2],
-    ) -> bool {
-        if !corners.is_some() {
-            let next = sides.iter().skip(1).chain(sides.first());
-            return sides.iter().zip(next).all(|(a, b)| {
-                let [ex, ey] = edge(a.start, b.start);
-                let (ax, ay) = (f64::from(a.start[0]), f64::from(a.start[1]));
-                ex * (py - ay) - ey * (px - ax) >= BLURRED * (ex.abs() + ey.abs())
-            });
-        }
-        /// Somewhat more, for what f32 adds.
-        const MARGIN: f32 = 1.25 * BLURRED as f32;
-        let (x, y) = (L::load(&corners.x), L::load(&corners.y));
-        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
-        let (px, py) = (L::splat(px as f32).sub(x), L::splat(py as f32).sub(y));
-        let inward = ex.mul_sub(py, ey.mul(px));
-        let least = ex.abs().add(ey.abs()).mul(L::splat(MARGIN));
-        L::bits(least.le(inward)) == 0xff
-    }
-
-    /// Where the ray leaves the prism; if it is the `FIRST`, it must start in it.
-    #[inline(always)]
-    fn leave<L: Lanes, const FIRST: bool>(&self, cell: u32, record: &CellRecord) -> Option<Exit> {
-        let tables = self.tables;
-        let first = record.first_side as usize;
-        let sides = &tables.sides[first..first + record.sides as usize];
-        let corners = &tables.corners[cell as usize];
-        let [into, Side { index, a, b }] = self.sides::<L>(corners, sides)?;
+        let (into, Edge { side, a, b }) = (into?, out?);
         let (right, left) = (self.side(a), self.side(b));
         if !(-right >= self.blurred && left >= self.blurred) {
             return None;
@@ -348,7 +404,6 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
         let (floor, falls) = self.over(record.floor);
         let (ceiling, rises) = self.over(record.ceiling);
         if FIRST {
-            // It came in before it starts.
             let is_behind = self.crossing(into.a, edge(into.a, into.b)) >= 0.0;
             if !(is_behind && t >= 0.0 && floor >= 0.0 && ceiling <= 0.0) {
                 return None;
@@ -359,46 +414,37 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
         let blur = |grows: f64| BLURRED * (2.0 + slant * grows.abs());
         let (blur_floor, blur_ceiling) = (blur(falls), blur(rises));
         if over >= blur_floor && under >= blur_ceiling {
-            let side = &sides[index];
-            let first = side.first_face as usize;
-            let faces = &tables.faces[first..first + side.faces as usize];
-            let mut face = &faces[faces.len() - 1];
-            for other in faces[..faces.len() - 1].iter().rev() {
-                let (over, grows) = self.over(other.top);
-                let over = over + t * grows;
-                if !(over.abs() >= blur(grows)) {
-                    return None;
-                }
-                if over < 0.0 {
-                    face = other;
-                }
-            }
-            return Some(Exit { t, cell: face.cell, source: face.source, flags: face.flags });
+            return self.face(&sides[side], t, slant);
         }
+        // Out of one of them, and well within the other there.
         let is_down = over <= -blur_floor;
-        if !(is_down || under <= -blur_ceiling) || (SLOPED && is_down != (under >= blur_ceiling)) {
+        if is_down != (under >= blur_ceiling) || !(is_down || under <= -blur_ceiling) {
             return None;
         }
         let (height, grows) = if is_down { (floor, falls) } else { (ceiling, rises) };
-        let t = if SLOPED { -height / grows } else { -height * self.steep };
-        // Well within the border there: also of sides that it runs along and never comes to.
+        let t = -height / grows;
         let at = [self.from.x + t * self.along.x, self.from.y + t * self.along.y];
-        if !self.is_within::<L>(corners, sides, at) {
-            return None;
-        }
-        let first = record.first_cover as usize;
-        let (below, above) = (record.below as usize, record.above as usize);
-        let covers = if is_down { first..first + below } else { first + below..first + below + above };
-        match &tables.covers[covers] {
-            [only] => Some(Exit { t, cell: only.cell, source: only.source, flags: only.flags }),
-            covers => self.cover(covers, t, at, grows),
-        }
+        let next = sides.iter().skip(1).chain(sides.first());
+        let is_within = sides.iter().zip(next).all(|(a, b)| {
+            let [ex, ey] = edge(a.start, b.start);
+            let inward = ex * (at[1] - f64::from(a.start[1])) - ey * (at[0] - f64::from(a.start[0]));
+            inward >= BLURRED * (ex.abs() + ey.abs())
+        });
+        if is_within { self.cover(cell, is_down, t, at, grows) } else { None }
     }
 
     /// The part of a floor or ceiling that the ray passes.
     #[inline(never)]
-    fn cover(&self, covers: &[CoverRecord], t: f64, at: [f64; 2], grows: f64) -> Option<Exit> {
+    fn cover(&self, cell: u32, is_down: bool, t: f64, at: [f64; 2], grows: f64) -> Option<Exit> {
         let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        let first = record.first_cover as usize;
+        let (below, above) = (record.below as usize, record.above as usize);
+        let covers = if is_down { first..first + below } else { first + below..first + below + above };
+        let covers: &[CoverRecord] = &tables.covers[covers];
+        if let [only] = covers {
+            return self.link(t, only.cell, only.source, only.flags);
+        }
         let margin = BLURRED * (1.0 + 1.0 / grows.abs());
         for cover in covers {
             let cell = tables.cells.get(cover.cell as usize)?;
@@ -422,7 +468,7 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
                 a = b;
             }
             if is_inside {
-                return Some(Exit { t, cell: cover.cell, source: cover.source, flags: cover.flags });
+                return self.link(t, cover.cell, cover.source, cover.flags);
             }
             if is_beside {
                 return None;
@@ -436,14 +482,4 @@ impl<'a, const SLOPED: bool> Way<'a, SLOPED> {
 #[inline(always)]
 fn edge(a: [f32; 2], b: [f32; 2]) -> [f64; 2] {
     [f64::from(b[0]) - f64::from(a[0]), f64::from(b[1]) - f64::from(a[1])]
-}
-
-impl Boxes {
-    #[inline(always)]
-    fn new(origin: DVec3, direction: DVec3) -> Boxes {
-        let inverse = inverse(direction.as_vec3().to_array());
-        let local = origin.as_vec3().to_array();
-        let shift = [local[0] * inverse[0], local[1] * inverse[1], local[2] * inverse[2]];
-        Boxes { inverse, shift }
-    }
 }

@@ -90,7 +90,7 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        if let Start::Cell(cell) = start
+        if let Some(cell) = self.quick_start(start, ray)
             && let Some(quick) = kernel.quick::<false>(&self.tables, ray, cell)
         {
             return self.describe_quick(ray, &quick, want);
@@ -117,7 +117,7 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        if let Start::Cell(cell) = start
+        if let Some(cell) = self.quick_start(start, ray)
             && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, cell)
         {
             let t = if found.triangle == NONE { f64::INFINITY } else { found.t };
@@ -125,6 +125,20 @@ impl Scene {
         }
         let hit = self.answer(start, ray, Want::LEAST, &mut Plain::<false>(kernel));
         Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
+    }
+
+    /// The cell in which a quick way may start.
+    #[inline]
+    fn quick_start(&self, start: Start<'_>, ray: &Ray) -> Option<u32> {
+        match start {
+            Start::Anywhere => self.free_cell(ray.origin),
+            Start::Cell(cell) => match self.tables.cells.get(cell as usize) {
+                Some(CellRecord { kind: CellRecord::AIR, .. }) => Some(cell),
+                _ => self.free_cell(ray.origin),
+            },
+            // From a surface.
+            Start::Hit(_) => None,
+        }
     }
 
     /// The hit of a brief answer to `ray`; that of a ray that starts in a solid lacks the element.
@@ -214,6 +228,11 @@ impl Scene {
     /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it for the air
     /// within the tolerance.
     pub fn occluded(&self, ray: &Ray) -> bool {
+        if let Some(cell) = self.free_cell(ray.origin)
+            && let Some(quick) = self.kernel.quick::<true>(&self.tables, ray, cell)
+        {
+            return quick.found.triangle != NONE;
+        }
         let Some(line) = Line::new(&self.tables, ray) else { return false };
         if self.may_start_in_solid(&line) {
             return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
@@ -358,14 +377,5 @@ fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
             Some(Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin: line.tmin })
         }
         _ => None,
-    }
-}
-#[doc(hidden)]
-impl Scene {
-    pub fn is_quick(&self, cell: u32, ray: &Ray) -> bool {
-        self.kernel.quick::<false>(&self.tables, ray, cell).is_some()
-    }
-    pub fn element_of(&self, t: u32) -> u32 {
-        self.tables.triangles[t as usize].element
     }
 }

@@ -263,8 +263,7 @@ impl Built {
             scene
         };
         let quality = format!("{quality:?}").to_lowercase();
-        let label =
-            format!("Embree {}, {quality}{}", embree.version, if robust { ", robust" } else { "" });
+        let label = format!("Embree {}, {quality}{}", embree.version, if robust { ", robust" } else { "" });
         Built { embree: Arc::clone(embree), scene, label }
     }
 

@@ -7,10 +7,10 @@ use anyhow::anyhow;
 use plotters::prelude::*;
 use serde::Serialize;
 
+use crate::Arguments;
 use crate::embree::Embree;
 use crate::floor::Floor;
 use crate::run::Row;
-use crate::Arguments;
 
 /// All that was measured, and where.
 #[derive(Serialize)]
@@ -104,12 +104,19 @@ impl Report {
                 continue;
             }
             // Writing to a String cannot fail.
-            let _ = writeln!(out, "\n### {about}\n\n| scene | {} |\n|---|{}", ways.join(" | "), "---:|".repeat(ways.len()));
+            let _ = writeln!(
+                out,
+                "\n### {about}\n\n| scene | {} |\n|---|{}",
+                ways.join(" | "),
+                "---:|".repeat(ways.len())
+            );
             for scene in self.scenes() {
                 let cells: Vec<String> = ways
                     .iter()
                     .map(|way| match self.find(scene, rays, way) {
-                        Some(row) if row.differing > 0 => format!("{:.1} ({})", row.ns_per_ray, row.differing),
+                        Some(row) if row.differing > 0 => {
+                            format!("{:.1} ({})", row.ns_per_ray, row.differing)
+                        }
                         Some(row) => format!("{:.1}", row.ns_per_ray),
                         None => String::new(),
                     })

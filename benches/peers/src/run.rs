@@ -155,7 +155,11 @@ fn nearest(
         for i in 0..ways.len() {
             seconds[i] += median(&mut times[i]);
             let differ = |(a, b): &(&Met, &Met)| a.t != b.t && (a.t - b.t).abs() > 1e-3 + 1e-3 * a.t.min(b.t);
-            differing[i] += met[0].iter().zip(&met[i]).filter(|pair| differ(pair) || pair.0.t.is_infinite() != pair.1.t.is_infinite()).count();
+            differing[i] += met[0]
+                .iter()
+                .zip(&met[i])
+                .filter(|pair| differ(pair) || pair.0.t.is_infinite() != pair.1.t.is_infinite())
+                .count();
         }
     }
     let row = |(i, way): (usize, &Box<dyn Way>)| Row {

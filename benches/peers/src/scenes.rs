@@ -71,7 +71,8 @@ fn models_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let path = entry?.path();
-        let is_model = path.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|known| e == *known));
+        let is_model =
+            path.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|known| e == *known));
         if is_model {
             paths.push(path);
         }
