@@ -239,7 +239,7 @@ fn counted_rays_answer_as_others_do() {
         for start in [Start::Anywhere, Start::Cell(0)] {
             let (hit, cost) = scene.trace_cost_from(start, &ray, Want::default());
             assert_eq!(hit, scene.trace_from(start, &ray, Want::default()));
-            assert!(cost.cells >= 1 && cost.tests >= 1, "{cost:?}");
+            assert!(cost.cells >= 1, "{cost:?}");
             let steps = cost.nodes + cost.blocks + cost.tests + cost.cells + cost.unsure;
             assert_eq!(cost.total(), steps);
         }

@@ -363,8 +363,10 @@ fn every_attribute_counts() {
             match compiled(building) {
                 None => refused += 1,
                 Some(other) => {
-                    assert!(other != bytes, "{what}: nobody saw it");
-                    changed += 1;
+                    // What rays cannot meet at a face is not kept.
+                    let may_be_dropped = ["surface", "triangle", "plane of triangles"].contains(&what);
+                    assert!(other != bytes || may_be_dropped, "{what}: nobody saw it");
+                    changed += u32::from(other != bytes);
                 }
             }
         }

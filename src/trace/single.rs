@@ -6,8 +6,9 @@ use super::begin::Begin;
 use super::cells::{Ended, among_all, nearest};
 use super::cost::Cost;
 use super::kernel::{Kernel, Plain, Probe};
+use super::lanes::Portable;
 use super::path::Prisms;
-use super::quick::Quick;
+use super::quick::{Quick, quick};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -152,17 +153,21 @@ impl Scene {
 
     /// What the quick way found, as a record.
     fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
-        let &Quick { mut found, cell, source } = quick;
+        let &Quick { found, cell, source } = quick;
         let Some(direction) = unit(DVec3::from(ray.direction)) else { return Hit::ESCAPED };
         if found.triangle == NONE {
             return Hit::ESCAPED;
         }
         let (tmin, tmax) = (ray.tmin, ray.tmax);
         let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
-        if want.triangle && source != NONE {
-            found.triangle = self.very_triangle(&line, source).unwrap_or(found.triangle);
+        let mut hit = self.describe(&line, Ended { found, cell, in_matter: false }, want);
+        if want.triangle
+            && source != NONE
+            && let Some(triangle) = self.very_triangle(&line, source)
+        {
+            hit.triangle = triangle;
         }
-        self.describe(&line, Ended { found, cell, in_matter: false }, want)
+        hit
     }
 
     /// The first triangle of a source that the ray meets.
@@ -179,8 +184,20 @@ impl Scene {
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
+        if let Some(cell) = self.quick_start(start, ray)
+            && let Some(found) = quick::<Portable, _>(&self.tables, ray, cell, &mut cost)
+        {
+            return (self.describe_quick(ray, &found, want), cost);
+        }
+        cost = Cost::default();
         let hit = self.answer(start, ray, want, &mut cost);
         (hit, cost)
+    }
+
+    /// The answer without the quick way.
+    #[cfg(all(test, feature = "compile"))]
+    pub(super) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        self.answer(start, ray, want, &mut Plain::<false>(self.kernel))
     }
 
     /// The answer, `probe` running the walks.

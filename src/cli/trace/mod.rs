@@ -176,8 +176,8 @@ impl Work<'_> {
         mut write: impl FnMut(&[Hit]) -> std::io::Result<()>,
     ) -> Result<(), StreamError> {
         let has = |field| self.fields.contains(&field);
-        let want = if has(Field::Room) { Want::default() } else { Want::LEAST };
-        let want = if has(Field::Face) { want.with_face() } else { want };
+        let mut want = Want::LEAST;
+        (want.room, want.face) = (has(Field::Room), has(Field::Face));
         let (mut chunk, mut hits): (Vec<Ray>, Vec<Hit>) = (Vec::new(), Vec::new());
         loop {
             chunk.clear();
