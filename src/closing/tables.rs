@@ -103,7 +103,7 @@ impl Base {
         // The cells as they are in the file: only their roots change.
         let of_cells = near(&Prisms::new(tables), &items, tables.scene[0].tolerance);
         let (center, slack) = (DVec3::from(tables.scene[0].center), tables.scene[0].slack);
-        let (nodes, cells) = (&mut tables.nodes, &mut tables.cells);
+        let (nodes, cells, steps) = (&mut tables.nodes, &mut tables.cells, &mut tables.steps);
         tables.blocks.edit(|blocks| {
             blocks.truncate(self.blocks.len());
             for &(element, block, lane) in &self.leaves {
@@ -125,6 +125,11 @@ impl Base {
                     if !items.is_empty() {
                         cells[0].root = tree.grow(cells[0].root, &mut items);
                     }
+                    steps.edit(|steps| {
+                        for (step, cell) in steps.iter_mut().zip(cells).filter(|(step, _)| step.is_some()) {
+                            step.root = cell.root;
+                        }
+                    });
                 });
             });
         });

@@ -11,7 +11,7 @@ use crate::format::Tables;
 use crate::format::records::{CellRecord, PLAIN, PlateRecord, SourceRecord};
 use crate::graph::{At, Part, area, clipped, cut, parts};
 use crate::parallel;
-use crate::trace::{BLURRED, NONE, Prisms, step_of};
+use crate::trace::{BLURRED, NONE, Prisms};
 
 /// No corner of a plain face is farther from its plane than this, metres.
 const NEAR: f64 = 2e-4;
@@ -37,7 +37,7 @@ struct Found {
 }
 
 /// Drops from the sources of faces and covers what rays cannot meet there, marks those of prisms of air that are plain, and fills the
-/// sections `plates` and `steps`. Returns how many are plain.
+/// section `plates`. Returns how many are plain.
 pub(super) fn add(tables: &mut Tables) -> u64 {
     let found = parallel::map(tables.cells.len(), |index| {
         let (prisms, cell) = (Prisms::of(tables), &tables.cells[index]);
@@ -75,8 +75,6 @@ pub(super) fn add(tables: &mut Tables) -> u64 {
     }
     (tables.sources, tables.surfaces) = (lists.sources, lists.triangles);
     tables.plates = tables.sources.iter().map(|source| plate(tables, source.plane)).collect();
-    let prisms = Prisms::of(tables);
-    tables.steps = tables.cells.iter().map(|cell| step_of(&prisms, cell)).collect();
     plain
 }
 

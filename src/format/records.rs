@@ -233,6 +233,10 @@ pub struct StepRecord {
     pub height: [f32; 2],
     /// Where floor and ceiling lead.
     pub vertical: [u32; 2],
+    /// [`CellRecord::root`].
+    pub root: u32,
+    /// [`CellRecord::flags`].
+    pub flags: u32,
 }
 
 impl StepRecord {
@@ -244,6 +248,8 @@ impl StepRecord {
         side: [0; LANES],
         height: [0.0; 2],
         vertical: [0; 2],
+        root: 0,
+        flags: 0,
     };
     /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
     /// a link is the number of a prism of air.
@@ -542,7 +548,7 @@ mod tests {
         assert_eq!(size_of::<RoomRecord>(), 72);
         assert_eq!(size_of::<CellRecord>(), 96);
         assert_eq!(size_of::<SideRecord>(), 16);
-        assert_eq!(size_of::<StepRecord>(), 120);
+        assert_eq!(size_of::<StepRecord>(), 128);
         assert_eq!(size_of::<FaceRecord>(), 16);
         assert_eq!(size_of::<CoverRecord>(), 12);
         assert_eq!(size_of::<PlaneRecord>(), 24);

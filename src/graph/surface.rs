@@ -13,11 +13,14 @@ pub(crate) struct Part {
     pub(crate) beyond: u32,
     pub(crate) source: u32,
     pub(crate) kind: u32,
+    // Only the compiler writes records.
+    #[cfg_attr(not(feature = "compile"), allow(dead_code))]
     pub(crate) at: At,
 }
 
 /// Which record of a scene a part of a surface has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(feature = "compile"), allow(dead_code))]
 pub(crate) enum At {
     /// Index into the section `faces`.
     Face(u32),

@@ -9,8 +9,8 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
-use super::path::Prisms;
-use crate::format::records::{CellRecord, TriangleRecord, VolumeRecord};
+use super::path::{BLURRED, Prisms, to_lattice};
+use crate::format::records::{CellRecord, LANES, TriangleRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -71,8 +71,7 @@ impl Scene {
     /// The prism of air that holds a point, where that is in no doubt.
     #[inline]
     pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
-        let prisms = Prisms::new(&self.tables);
-        prisms.free(prisms.local(DVec3::from(point)))
+        free(&self.tables, point)
     }
 
     /// The smallest room that holds `point`.
@@ -92,6 +91,52 @@ impl Scene {
             volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
         })
     }
+}
+
+/// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the
+/// point too.
+#[inline]
+fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
+    let scene = &tables.scene[0];
+    let [x, y, z] = to_lattice(point, scene.lattice_origin, scene.lattice_turn);
+    let mut index = 0usize;
+    for (axis, c) in [(2, z), (1, y), (0, x)] {
+        let [lo, hi] = [scene.zone[0][axis], scene.zone[1][axis]];
+        // Written so that NaN is nowhere.
+        if !(c >= lo && c <= hi) {
+            return None;
+        }
+        let cubes = scene.grid_dims[axis] as usize;
+        // A point on the zone's upper side belongs to the last cube.
+        index = index * cubes + (((c - lo) / scene.grid_step[axis]) as usize).min(cubes.saturating_sub(1));
+    }
+    let (start, end) = (*tables.cellgrid.get(index)?, *tables.cellgrid.get(index + 1)?);
+    let holds = |&&cell: &&u32| {
+        let step = &tables.steps[cell as usize];
+        let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
+        if step.flags != u32::from(CellRecord::FREE) || !step.is_some() {
+            let record = &tables.cells[cell as usize];
+            return !step.is_some()
+                && record.flags == CellRecord::FREE
+                && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
+        }
+        if z < floor + BLURRED || z > ceiling - BLURRED {
+            return false;
+        }
+        let is_sloped = floor.is_nan() || ceiling.is_nan();
+        let mut a = [f64::from(step.x[LANES - 1]), f64::from(step.y[LANES - 1])];
+        for lane in 0..LANES {
+            let b = [f64::from(step.x[lane]), f64::from(step.y[lane])];
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            if ex * (y - a[1]) - ey * (x - a[0]) < BLURRED * (ex.abs() + ey.abs()) {
+                return false;
+            }
+            a = b;
+        }
+        let at = DVec3::new(x, y, z);
+        !is_sloped || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], at, -BLURRED)
+    };
+    tables.gridcells[start as usize..end as usize].iter().find(holds).copied()
 }
 
 fn smallest(tables: &Views, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {

@@ -23,11 +23,9 @@ pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]
 pub(crate) use locate::{crossings, height};
-#[cfg(feature = "compile")]
-#[cfg(feature = "compile")]
-pub(crate) use path::BLURRED;
 pub(crate) use path::Prisms;
-pub(crate) use path::to_lattice;
+#[cfg(feature = "compile")]
+pub(crate) use path::{BLURRED, to_lattice};
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
 pub(crate) use step::step_of;

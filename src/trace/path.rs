@@ -326,23 +326,6 @@ impl<'a> Prisms<'a> {
         over(cell.floor, -1.0).max(over(cell.ceiling, 1.0)).max(-inward(self.sides_of(cell), point))
     }
 
-    /// The prism of air that holds a point (from the lattice's origin), farther from its border than cells differ from the model, if no
-    /// closed solid may hold the point too.
-    #[inline]
-    pub(super) fn free(&self, point: DVec3) -> Option<u32> {
-        if !self.hold(point) {
-            return None;
-        }
-        let is_free = |&&index: &&u32| {
-            let cell = &self.cells[index as usize];
-            let [lo, hi] = &cell.bounds;
-            cell.flags == CellRecord::FREE
-                && (0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis])
-                && self.nearly_holds(cell, point, -BLURRED)
-        };
-        self.listed(point).iter().find(is_free).copied()
-    }
-
     /// The prism of air that holds `point` (from the lattice's origin) or is nearest to it, and no farther than `margin`;
     /// else one of matter.
     pub(super) fn place(&self, point: DVec3, margin: f64) -> Option<u32> {

@@ -7,6 +7,9 @@
 //! `cells`, from its start. So it has no case but the common one: no file that it could not be sure of makes it wrong, and none
 //! makes it long, as it enters no more prisms than there are.
 
+// Comparisons are written so that NaN is in doubt.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use glam::DVec3;
 
 use super::NONE;
@@ -93,7 +96,6 @@ impl<'a> Way<'a> {
         let scene = &tables.scene[0];
         let mut direction = DVec3::from(ray.direction);
         let squared = direction.length_squared();
-        // Written so that NaN is left to others, here and below.
         if !((squared - 1.0).abs() <= UNIT) {
             if !(squared > 1e-100 && squared < 1e100) {
                 return None;
@@ -144,7 +146,7 @@ impl<'a> Way<'a> {
                 }
                 triangle = plate.triangle;
             }
-            let root = tables.cells[cell as usize].root;
+            let root = self.root(cell);
             if root != NONE {
                 let until = if t > exit.t { t } else { exit.t } + NEAR;
                 let until = if until < self.limit { until } else { self.limit };
@@ -236,6 +238,13 @@ impl<'a> Way<'a> {
         let [p, q] = plane.slope;
         let (from, along) = (self.from, self.along);
         (from.z - p * from.x - q * from.y - plane.height, along.z - p * along.x - q * along.y)
+    }
+
+    /// The root of the detail of a cell that the ray leaves.
+    #[inline(always)]
+    fn root(&self, cell: u32) -> u32 {
+        let step = &self.tables.steps[cell as usize];
+        if step.is_some() { step.root } else { self.tables.cells[cell as usize].root }
     }
 
     /// Where the ray leaves a prism of air; if it is the `FIRST`, it must start in it.

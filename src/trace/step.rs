@@ -19,7 +19,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord) -> StepRecord {
         Some(next) if source == NONE && next.kind == CellRecord::AROUND => StepRecord::AROUND,
         _ => StepRecord::OTHER,
     };
-    let mut step = StepRecord::NONE;
+    let mut step = StepRecord { root: cell.root, flags: cell.flags.into(), ..StepRecord::NONE };
     let mut corners = 0;
     for (index, side) in sides.iter().enumerate() {
         let before = sides[(index + count - 1) % count].start.map(f64::from);

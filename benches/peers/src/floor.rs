@@ -72,7 +72,7 @@ fn shade_rows(picture: &mut [u32], size: usize) {
             let u = x as i32 as f32 * step - 0.7;
             let cosine = (normal[0] * u + across) / (u * u + square).sqrt();
             let grey = (cosine.max(0.0) * 255.0) as i32 as u32;
-            *pixel = grey * 0x01_01_01 | 0xff00_0000;
+            *pixel = (grey * 0x01_01_01) | 0xff00_0000;
         }
     }
 }

@@ -162,15 +162,15 @@ fn nearest(
                 .count();
         }
     }
-    let row = |(i, way): (usize, &Box<dyn Way>)| Row {
+    let row = |i: usize| Row {
         scene: scene.to_owned(),
         rays: kind,
-        way: way.name(),
+        way: ways[i].name(),
         count,
         ns_per_ray: seconds[i] * 1e9 / count as f64,
         differing: differing[i],
     };
-    if count == 0 { Vec::new() } else { ways.iter().enumerate().map(row).collect() }
+    if count == 0 { Vec::new() } else { (0..ways.len()).map(row).collect() }
 }
 
 fn occluded(scene: &str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
