@@ -14,12 +14,13 @@ use super::sheet::Sheet;
 use super::tree::{Item, Tree};
 use crate::format::View;
 use crate::format::Views;
-use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, TriangleRecord};
+use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, StepRecord, TriangleRecord};
 use crate::trace::{NONE, Prisms};
 
 /// The tables that are changed, as they were opened.
 pub(super) struct Base {
     cells: View<CellRecord>,
+    steps: View<StepRecord>,
     nodes: View<NodeRecord>,
     blocks: View<BlockRecord>,
     triangles: View<TriangleRecord>,
@@ -52,6 +53,7 @@ impl Base {
         leaves.sort_unstable();
         Base {
             cells: tables.cells.clone(),
+            steps: tables.steps.clone(),
             nodes: tables.nodes.clone(),
             blocks: tables.blocks.clone(),
             triangles: tables.triangles.clone(),
@@ -62,6 +64,7 @@ impl Base {
 
     pub(super) fn restore(self, tables: &mut Views) {
         tables.cells = self.cells;
+        tables.steps = self.steps;
         tables.nodes = self.nodes;
         tables.blocks = self.blocks;
         tables.triangles = self.triangles;

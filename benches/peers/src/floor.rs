@@ -71,7 +71,8 @@ fn shade_rows(picture: &mut [u32], size: usize) {
         for (x, pixel) in row.iter_mut().enumerate() {
             let u = x as i32 as f32 * step - 0.7;
             let cosine = (normal[0] * u + across) / (u * u + square).sqrt();
-            let grey = (cosine.max(0.0) * 255.0) as i32 as u32;
+            // Rounded by adding 2^23: conversions are not done side by side.
+            let grey = (cosine.max(0.0) * 255.0 + 8_388_608.0).to_bits() & 0xff;
             *pixel = (grey * 0x01_01_01) | 0xff00_0000;
         }
     }

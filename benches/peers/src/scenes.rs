@@ -66,7 +66,7 @@ pub fn scenes(arguments: &Arguments) -> anyhow::Result<Box<dyn Iterator<Item = a
     Ok(Box::new(named.chain(paths.into_iter().map(|path| model(&path)))))
 }
 
-/// The models of a folder: of those that differ in what follows the first dot only, the first.
+/// The models of a folder: of those that differ in what follows the first dot only, one.
 fn models_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -77,11 +77,12 @@ fn models_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
             paths.push(path);
         }
     }
-    paths.sort();
     let stem = |path: &Path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         name.split('.').next().unwrap_or_default().to_owned()
     };
+    // Of those, that with the shortest name.
+    paths.sort_by_cached_key(|path| (stem(path), path.as_os_str().len(), path.clone()));
     paths.dedup_by_key(|path| stem(path));
     Ok(paths)
 }
