@@ -129,30 +129,28 @@ impl Report {
 
     /// Bars of nanoseconds for the rays of frames, a group for each scene.
     pub fn plot(&self, path: &Path) -> anyhow::Result<()> {
+        /// Below the bars stand the names, right of them what they are.
+        const LEAST: f64 = 10.0;
+        const LEGEND: f64 = 45.0;
         let (scenes, ways) = (self.scenes(), self.ways("primary"));
         let (scene_count, way_count) = (scenes.len(), ways.len());
         let most = self.rows.iter().filter(|row| row.rays == "primary").map(|row| row.ns_per_ray);
         let most = most.fold(1.0, f64::max) * 1.1;
         let step = way_count as f64 + 1.5;
-        let area = SVGBackend::new(path, (1000, 420)).into_drawing_area();
+        let area = SVGBackend::new(path, (1200, 420)).into_drawing_area();
         let failed = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", path.display());
         area.fill(&WHITE).map_err(|e| failed(&e))?;
         let mut chart = ChartBuilder::on(&area)
             .margin(12)
             .caption("Rays of frames, ns each, one thread (logarithmic)", ("sans-serif", 18))
-            .x_label_area_size(28)
+            .x_label_area_size(8)
             .y_label_area_size(56)
-            .build_cartesian_2d(0.0..step * scene_count as f64, (1.0..most).log_scale())
+            .build_cartesian_2d(0.0..step * scene_count as f64 + LEGEND, (LEAST / 2.0..most).log_scale())
             .map_err(|e| failed(&e))?;
-        let name = |x: &f64| {
-            let index = (*x / step).floor();
-            scenes.get(index as usize).map_or(String::new(), |name| (*name).to_owned())
-        };
         chart
             .configure_mesh()
             .disable_x_mesh()
-            .x_labels(2 * scene_count)
-            .x_label_formatter(&name)
+            .x_labels(0)
             .y_desc("ns a ray")
             .draw()
             .map_err(|e| failed(&e))?;
@@ -161,7 +159,7 @@ impl Report {
             let bars = scenes.iter().enumerate().filter_map(|(s, scene)| {
                 let row = self.find(scene, "primary", way)?;
                 let x = s as f64 * step + i as f64 + 0.5;
-                Some(Rectangle::new([(x, 1.0), (x + 0.9, row.ns_per_ray)], color.filled()))
+                Some(Rectangle::new([(x, LEAST), (x + 0.9, row.ns_per_ray)], color.filled()))
             });
             chart
                 .draw_series(bars)
@@ -169,9 +167,13 @@ impl Report {
                 .label(*way)
                 .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 10, y + 5)], color.filled()));
         }
+        let names = scenes.iter().enumerate().map(|(s, scene)| {
+            Text::new((*scene).to_owned(), (s as f64 * step + 0.5, LEAST * 0.9), ("sans-serif", 12))
+        });
+        chart.draw_series(names).map_err(|e| failed(&e))?;
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
+            .position(SeriesLabelPosition::UpperRight)
             .background_style(WHITE.mix(0.8))
             .draw()
             .map_err(|e| failed(&e))?;
