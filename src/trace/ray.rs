@@ -83,8 +83,9 @@ pub struct Hit {
     pub cell: u32,
     /// Index of the room in which the ray ended, or [`NONE`].
     pub room: u32,
-    /// Index of the triangle, or without [`Want::triangle`](super::Want::triangle) of another in its plane, among the scene's detail triangles, or after all of the file's of a sheet that closes an opening
-    /// ([`Scene::closed_by`](crate::Scene::closed_by)); or [`NONE`].
+    /// Index of the triangle among the scene's detail triangles, or after all of the file's of a sheet that closes an opening
+    /// ([`Scene::closed_by`](crate::Scene::closed_by)); or [`NONE`]. Without [`Want::triangle`](super::Want::triangle) it may be another in
+    /// its plane.
     pub triangle: u32,
 }
 
