@@ -37,7 +37,8 @@ fn cells(v: &Views) -> Result<(), FormatError> {
         ensure(Semantic::from_number(c.semantic.into()).is_some(), "cells", i, || {
             format!("semantic {}", c.semantic)
         })?;
-        ensure(c.flags <= CellRecord::FREE, "cells", i, || format!("flags {}", c.flags))?;
+        let is_free = c.flags == CellRecord::FREE && c.kind == CellRecord::AIR;
+        ensure(c.flags == 0 || is_free, "cells", i, || format!("flags {}", c.flags))?;
         ensure(optional(c.room, v.rooms.len()), "cells", i, || format!("room {}", c.room))?;
         ensure(optional(c.element, v.elements.len()), "cells", i, || format!("element {}", c.element))?;
         let kind = if i == 0 {

@@ -4,8 +4,8 @@
 //! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
 //! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
 //! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
-//! `cells`, from its start. So it has no case but the common one: no file that it could not be sure of makes it wrong, and none
-//! makes it long, as it enters no more prisms than there are.
+//! `cells`, from its start. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
+//! that plain faces are plain, and plates their planes, is the file's word.
 
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -197,11 +197,13 @@ impl<'a> Way<'a> {
         let local = [local.x as f32, local.y as f32, local.z as f32];
         let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
         for axis in 0..3 {
+            let ahead = inverse[axis] >= 0.0;
+            let (enter, leave) =
+                if ahead { (&node.lo[axis], &node.hi[axis]) } else { (&node.hi[axis], &node.lo[axis]) };
             let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
-            let lo = L::load(&node.lo[axis]).mul_sub(inverse, shift);
-            let hi = L::load(&node.hi[axis]).mul_sub(inverse, shift);
-            near = near.max(lo.min(hi));
-            far = far.min(lo.max(hi));
+            // Not the lesser and the greater: the box of a lane without a child is inside out.
+            near = near.max(L::load(enter).mul_sub(inverse, shift));
+            far = far.min(L::load(leave).mul_sub(inverse, shift));
         }
         L::bits(near.le(far)) != 0
     }
@@ -311,7 +313,8 @@ impl<'a> Way<'a> {
         const MARGIN: f32 = 1.25 * BLURRED as f32;
         let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
         let (px, py) = (L::splat(at[0] as f32).sub(x), L::splat(at[1] as f32).sub(y));
-        let inward = ex.mul_sub(py, ey.mul(px));
+        // Rounded alike on all kernels.
+        let inward = ex.mul(py).sub(ey.mul(px));
         let least = ex.abs().add(ey.abs()).mul(L::splat(MARGIN));
         if L::bits(least.le(inward)) != 0xff {
             return None;
@@ -377,7 +380,8 @@ impl<'a> Way<'a> {
             };
             return Some(Exit { t, link });
         }
-        (flags == PLAIN).then_some(Exit { t, link: StepRecord::PLATE | source })
+        let is_matter = self.tables.cells[cell as usize].kind == CellRecord::SOLID;
+        (flags == PLAIN && is_matter).then_some(Exit { t, link: StepRecord::PLATE | source })
     }
 
     /// The same as `leave`, of any prism of air.

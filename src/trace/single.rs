@@ -121,8 +121,10 @@ impl Scene {
         if let Some(cell) = self.quick_start(start, ray)
             && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, cell)
         {
-            let t = if found.triangle == NONE { f64::INFINITY } else { found.t };
-            return Brief { t, triangle: found.triangle, cell };
+            if found.triangle == NONE {
+                return Brief::ESCAPED;
+            }
+            return Brief { t: found.t, triangle: found.triangle, cell };
         }
         let hit = self.answer(start, ray, Want::LEAST, &mut Plain::<false>(kernel));
         Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
@@ -142,7 +144,7 @@ impl Scene {
         }
     }
 
-    /// The hit of a brief answer to `ray`; that of a ray that starts in a solid lacks the element.
+    /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
     pub fn hit(&self, ray: &Ray, brief: &Brief, want: Want) -> Hit {
         let Brief { t, triangle, cell } = *brief;
         if triangle as usize >= self.tables.triangles.len() || cell as usize >= self.tables.cells.len() {

@@ -12,7 +12,11 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord) -> StepRecord {
         return StepRecord::NONE;
     }
     let link = |cell: u32, source: u32, flags: u16| match prisms.cells.get(cell as usize) {
-        _ if source != NONE && flags == PLAIN && (source | StepRecord::PLATE) < StepRecord::AROUND => {
+        Some(next)
+            if next.kind == CellRecord::SOLID
+                && flags == PLAIN
+                && (source | StepRecord::PLATE) < StepRecord::AROUND =>
+        {
             StepRecord::PLATE | source
         }
         Some(next) if source == NONE && next.kind == CellRecord::AIR && cell < StepRecord::PLATE => cell,
