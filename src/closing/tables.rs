@@ -14,13 +14,13 @@ use super::sheet::Sheet;
 use super::tree::{Item, Tree};
 use crate::format::View;
 use crate::format::Views;
-use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, StepRecord, TriangleRecord};
-use crate::trace::{NONE, Prisms};
+use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, TriangleRecord};
+use crate::trace::{NONE, Prisms, Step};
 
 /// The tables that are changed, as they were opened.
 pub(super) struct Base {
     cells: View<CellRecord>,
-    steps: View<StepRecord>,
+    steps: View<Step>,
     nodes: View<NodeRecord>,
     blocks: View<BlockRecord>,
     triangles: View<TriangleRecord>,

@@ -33,7 +33,7 @@ use crate::format::{MapTables, Tables};
 use crate::partition::cells::Partition;
 use crate::partition::{PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
-use crate::trace::{NONE, Prisms, step_of};
+use crate::trace::NONE;
 use crate::validate::Validated;
 
 pub use report::{Count, Repair, Report, RoleCount, Stage};
@@ -265,8 +265,6 @@ fn compile_tables(
     faces.dedup();
     run.stage("plates", || plates::add(&mut tables))?;
     let counted = add_detail(&mut run, partition, &gathered, zone, faces, &mut tables)?;
-    let prisms = Prisms::of(&tables);
-    tables.steps = tables.cells.iter().map(|cell| step_of(&prisms, cell)).collect();
 
     let locator = run.stage("locator", || {
         let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);

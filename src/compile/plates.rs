@@ -8,10 +8,10 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use crate::format::Tables;
-use crate::format::records::{CellRecord, PLAIN, PlateRecord, SourceRecord};
+use crate::format::records::{CellRecord, PLAIN, SourceRecord};
 use crate::graph::{At, Part, area, clipped, cut, parts};
 use crate::parallel;
-use crate::trace::{BLURRED, NONE, Prisms};
+use crate::trace::{BLURRED, NONE, Plate, Prisms, plate_of};
 
 /// No corner of a plain face is farther from its plane than this, metres.
 const NEAR: f64 = 2e-4;
@@ -36,8 +36,8 @@ struct Found {
     is_plain: bool,
 }
 
-/// Drops from the sources of faces and covers what rays cannot meet there, marks those of prisms of air that are plain, and fills the
-/// section `plates`. Returns how many are plain.
+/// Drops from the sources of faces and covers what rays cannot meet there, marks those of prisms of air that are plain, and says
+/// in which plane they lie. Returns how many are plain.
 pub(super) fn add(tables: &mut Tables) -> u64 {
     let found = parallel::map(tables.cells.len(), |index| {
         let (prisms, cell) = (Prisms::of(tables), &tables.cells[index]);
@@ -74,7 +74,6 @@ pub(super) fn add(tables: &mut Tables) -> u64 {
         }
     }
     (tables.sources, tables.surfaces) = (lists.sources, lists.triangles);
-    tables.plates = tables.sources.iter().map(|source| plate(tables, source.plane)).collect();
     plain
 }
 
@@ -104,21 +103,11 @@ fn corners(tables: &Tables, triangle: u32) -> [DVec3; 3] {
     tables.triangles[triangle as usize].vertices.map(|v| DVec3::from(tables.vertices[v as usize]))
 }
 
-/// The plane of a triangle; zeros for none.
-fn plate(tables: &Tables, triangle: u32) -> PlateRecord {
-    if triangle == NONE {
-        return PlateRecord { normal: [0.0; 3], offset: 0.0, triangle, reserved: 0 };
-    }
-    let [a, b, c] = corners(tables, triangle);
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    PlateRecord { normal: normal.to_array(), offset: normal.dot(a), triangle, reserved: 0 }
-}
-
 /// What rays can meet at a part of a cell's surface; `None` if it is not between air and matter, or its triangles lie in no one plane
 /// near it.
 fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Option<Found> {
     let source = tables.sources.get(part.source as usize)?;
-    let PlateRecord { normal, offset, .. } = plate(tables, source.plane);
+    let Plate { normal, offset, .. } = plate_of(&tables.triangles, &tables.vertices, source.plane);
     let normal = DVec3::from(normal);
     let triangles = prisms.triangles_of(part.source);
     let is_there = part.corners.iter().all(|&p| (normal.dot(p) - offset).abs() <= NEAR);

@@ -5,7 +5,7 @@ use enfilade_importers::Semantic;
 use super::records::{CellRecord, PLAIN, SideRecord, SourceRecord};
 use super::tables::{Views, ensure, invalid, is_box, within};
 use super::{FaceKind, FormatError};
-use crate::trace::{NONE, Prisms, step_of};
+use crate::trace::NONE;
 
 /// No lattice coordinate is larger: what f32 counts exactly.
 const LARGEST: f64 = (1 << 24) as f64;
@@ -24,7 +24,6 @@ pub(super) fn check(v: &Views) -> Result<(), FormatError> {
     sides(v)?;
     beyond(v)?;
     sources(v)?;
-    steps(v)?;
     grid(v)
 }
 
@@ -160,14 +159,6 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         let is_own = source.plane == NONE || own.contains(&source.plane);
         ensure(is_own, "sources", i, || format!("the plane of triangle {}", source.plane))?;
     }
-    let plates = v.plates.len();
-    ensure(plates == v.sources.len(), "plates", 0, || format!("{plates} for {} sources", v.sources.len()))?;
-    for (i, (plate, source)) in v.plates.iter().zip(v.sources.iter()).enumerate() {
-        let ok = within(plate.offset)
-            && plate.normal.iter().all(|c| c.abs() <= 2.0)
-            && plate.triangle == source.plane;
-        ensure(ok, "plates", i, || "not a plane".to_owned())?;
-    }
     let last = v.sources.len().saturating_sub(1);
     ensure(items == v.surfaces.len() as u64, "sources", last, || "triangles are left over".to_owned())?;
     let met = v.scene[0].detail_triangles;
@@ -175,20 +166,6 @@ fn sources(v: &Views) -> Result<(), FormatError> {
         Some(i) => invalid("surfaces", i, format!("triangle {}", v.surfaces[i])),
         None => Ok(()),
     }
-}
-
-/// They are what the other sections, checked before, make them.
-fn steps(v: &Views) -> Result<(), FormatError> {
-    ensure(v.steps.len() == v.cells.len(), "steps", 0, || {
-        format!("{} for {} cells", v.steps.len(), v.cells.len())
-    })?;
-    let prisms = Prisms::new(v);
-    for (i, (cell, step)) in v.cells.iter().zip(v.steps.iter()).enumerate() {
-        let made = step_of(&prisms, cell);
-        let is_same = bytemuck::bytes_of(&made) == bytemuck::bytes_of(step);
-        ensure(is_same, "steps", i, || "not what the cell's other records make it".to_owned())?;
-    }
-    Ok(())
 }
 
 fn grid(v: &Views) -> Result<(), FormatError> {

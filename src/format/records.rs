@@ -213,61 +213,6 @@ pub struct SideRecord {
     pub faces: u32,
 }
 
-/// Section `steps`, one for each cell: all that a ray's way through a simple prism of air needs, side by side. It says nothing that the
-/// other sections do not say.
-///
-/// Of cells that are no prisms of air with at most eight corners that turn, and at most 255 sides, the first of them starting at such a
-/// corner: zeros.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct StepRecord {
-    /// x of each corner of the footprint at which its border turns, as [`SideRecord::start`] has it; then of the first again.
-    pub x: [f32; LANES],
-    /// The same for y.
-    pub y: [f32; LANES],
-    /// Where the edge from each leads, a *link*; zeros for none.
-    pub next: [u32; LANES],
-    /// The side that starts at each corner, counted from the cell's first; then the number of its sides again.
-    pub side: [u8; LANES],
-    /// Heights of floor and ceiling, exact; NaN if one is sloped.
-    pub height: [f32; 2],
-    /// Where floor and ceiling lead.
-    pub vertical: [u32; 2],
-    /// [`CellRecord::root`].
-    pub root: u32,
-    /// [`CellRecord::flags`].
-    pub flags: u32,
-}
-
-impl StepRecord {
-    /// Of cells that are not simple.
-    pub(crate) const NONE: StepRecord = StepRecord {
-        x: [0.0; LANES],
-        y: [0.0; LANES],
-        next: [0; LANES],
-        side: [0; LANES],
-        height: [0.0; 2],
-        vertical: [0; 2],
-        root: 0,
-        flags: 0,
-    };
-    /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
-    /// a link is the number of a prism of air.
-    pub const PLATE: u32 = 1 << 31;
-    /// The link of what has several parts: the other sections tell.
-    pub const PARTS: u32 = u32::MAX - 1;
-    /// The link of what lies around the prisms.
-    pub const AROUND: u32 = u32::MAX - 2;
-    /// The link of what is left to other kernels: matter that is not plain.
-    pub const OTHER: u32 = u32::MAX;
-
-    /// Whether the cell is simple.
-    #[inline(always)]
-    pub(crate) fn is_some(&self) -> bool {
-        self.side[1] != 0
-    }
-}
-
 /// Section `faces`: a part of a side between two planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -329,21 +274,6 @@ pub struct SourceRecord {
 impl SourceRecord {
     /// Up to so many triangles are tested one by one.
     pub const FEW: u32 = 16;
-}
-
-/// Section `plates`: the plane of each source whose triangles lie in one: `normal . p = offset`, internal frame, metres. Zeros
-/// for others.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct PlateRecord {
-    /// Unit length.
-    pub normal: [f64; 3],
-    /// Metres.
-    pub offset: f64,
-    /// One of the source's triangles: that in whose plane the others lie. None for others.
-    pub triangle: u32,
-    /// Zero.
-    pub reserved: u32,
 }
 
 /// Section `materials`.
@@ -548,12 +478,10 @@ mod tests {
         assert_eq!(size_of::<RoomRecord>(), 72);
         assert_eq!(size_of::<CellRecord>(), 96);
         assert_eq!(size_of::<SideRecord>(), 16);
-        assert_eq!(size_of::<StepRecord>(), 128);
         assert_eq!(size_of::<FaceRecord>(), 16);
         assert_eq!(size_of::<CoverRecord>(), 12);
         assert_eq!(size_of::<PlaneRecord>(), 24);
         assert_eq!(size_of::<SourceRecord>(), 16);
-        assert_eq!(size_of::<PlateRecord>(), 40);
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);

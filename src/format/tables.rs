@@ -11,11 +11,11 @@ use super::container::{self, NewSection, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
     BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
-    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, PlateRecord, RoomRecord, SceneRecord, SideRecord,
-    SourceRecord, StepRecord, Text, Traits, TriangleRecord, VolumeRecord,
+    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
+    Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
-use crate::trace::NONE;
+use crate::trace::{NONE, Part, Plate, Prisms, Step, plate_of, step_of};
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
@@ -29,7 +29,8 @@ const FARTHEST: f64 = 1e13;
 macro_rules! sections {
     (
         $(#[$about:meta])* $tables:ident, $(#[$in_place:meta])* $views:ident, required: $required:literal
-        $(, also $also:ident: $more:ident, $more_views:ident)?;
+        $(, also $also:ident: $more:ident, $more_views:ident)?
+        $(, derived $derived:ident: $made:ident)*;
         $($(#[$doc:meta])* $field:ident: $item:ty;)*
     ) => {
         $(#[$about])*
@@ -45,6 +46,8 @@ macro_rules! sections {
             $(pub $field: View<$item>,)*
             $(/// Optional sections, all or none.
             pub $also: Option<$more_views>,)?
+            $(/// In no file: made by what opens it.
+            pub $derived: View<$made>,)*
         }
 
         impl $tables {
@@ -68,6 +71,7 @@ macro_rules! sections {
                 Ok($views {
                     $($field: view(storage, table, stringify!($field))?,)*
                     $($also: $more_views::find_all_or_none(storage, table)?,)?
+                    $($derived: View::own(Vec::new()),)*
                 })
             }
         }
@@ -78,7 +82,8 @@ sections! {
     /// The tables of a scene that is being compiled.
     Tables,
     /// The tables of an opened scene, in place.
-    Views, required: true, also map: MapTables, MapViews;
+    Views, required: true, also map: MapTables, MapViews, derived steps: Step, derived plates: Plate,
+    derived parts: Part;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -91,8 +96,6 @@ sections! {
     rooms: RoomRecord;
     /// Cells.
     cells: CellRecord;
-    /// What rays need of simple cells.
-    steps: StepRecord;
     /// Sides of cells.
     sides: SideRecord;
     /// Faces of sides.
@@ -103,8 +106,6 @@ sections! {
     planes: PlaneRecord;
     /// What rays meet at faces and covers.
     sources: SourceRecord;
-    /// Their planes, one each.
-    plates: PlateRecord;
     /// Their triangles.
     surfaces: u32;
     /// For each cube of the grid over the prisms (x fastest) the first of its items, and the end of the last.
@@ -219,14 +220,25 @@ impl Views {
                 container::section(storage.bytes(), entry)?;
             }
         }
-        let views = Views::find(&storage, &table)?;
+        let mut views = Views::find(&storage, &table)?;
         if views.scene.len() != 1 {
             return Err(FormatError::Table(format!("{} scene records", views.scene.len())));
         }
         if checked {
             Check::new(&views)?.all()?;
         }
+        views.derive();
         Ok(views)
+    }
+
+    /// What rays need of each cell and each source, side by side.
+    fn derive(&mut self) {
+        let prisms = Prisms::new(self);
+        let mut parts = Vec::new();
+        let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut parts)).collect();
+        let plate = |plane: u32| plate_of(&self.triangles, &self.vertices, plane);
+        let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
+        (self.steps, self.parts, self.plates) = (View::own(steps), View::own(parts), View::own(plates));
     }
 }
 

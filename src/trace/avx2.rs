@@ -2,14 +2,16 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps, _mm256_div_ps,
-    _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_or_ps, _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_setr_epi32,
-    _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_cmp_ps,
+    _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
+    _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps,
+    _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_unpackhi_ps, _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 
 use super::kernel::Probe;
 use super::lanes::{Lanes, Mask};
+use super::packet::{self, Answers};
 use super::quick::{self, Quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
@@ -110,6 +112,45 @@ impl Lanes for Avx2 {
         Mask(Avx2(unsafe { _mm256_or_ps(a.0.0, b.0.0) }))
     }
     #[inline(always)]
+    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+        // SAFETY: see `Avx2`.
+        Mask(Avx2(unsafe { _mm256_andnot_ps(a.0.0, b.0.0) }))
+    }
+    #[inline(always)]
+    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0.0) })
+    }
+    #[inline(always)]
+    fn transpose([r0, r1, r2, r3, r4, r5, r6, r7]: [Self; LANES]) -> [Self; LANES] {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            // Pairs of lanes of two rows, then fours of four, then eights of all.
+            let low = |a: __m256, b: __m256| _mm256_unpacklo_ps(a, b);
+            let high = |a: __m256, b: __m256| _mm256_unpackhi_ps(a, b);
+            let (a0, a1) = (low(r0.0, r1.0), high(r0.0, r1.0));
+            let (a2, a3) = (low(r2.0, r3.0), high(r2.0, r3.0));
+            let (a4, a5) = (low(r4.0, r5.0), high(r4.0, r5.0));
+            let (a6, a7) = (low(r6.0, r7.0), high(r6.0, r7.0));
+            let first = |a: __m256, b: __m256| _mm256_shuffle_ps::<0x44>(a, b);
+            let last = |a: __m256, b: __m256| _mm256_shuffle_ps::<0xee>(a, b);
+            let (b0, b1, b2, b3) = (first(a0, a2), last(a0, a2), first(a1, a3), last(a1, a3));
+            let (b4, b5, b6, b7) = (first(a4, a6), last(a4, a6), first(a5, a7), last(a5, a7));
+            let lower = |a: __m256, b: __m256| Avx2(_mm256_permute2f128_ps::<0x20>(a, b));
+            let upper = |a: __m256, b: __m256| Avx2(_mm256_permute2f128_ps::<0x31>(a, b));
+            [
+                lower(b0, b4),
+                lower(b1, b5),
+                lower(b2, b6),
+                lower(b3, b7),
+                upper(b0, b4),
+                upper(b1, b5),
+                upper(b2, b6),
+                upper(b3, b7),
+            ]
+        }
+    }
+    #[inline(always)]
     fn bits(mask: Mask<Self>) -> u32 {
         // SAFETY: see `Avx2`.
         unsafe { _mm256_movemask_ps(mask.0.0) as u32 }
@@ -129,6 +170,36 @@ fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
 #[target_feature(enable = "avx2,fma")]
 fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut P) -> Option<Quick> {
     quick::quick::<Avx2, P>(tables, ray, hint, probe)
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn packet_avx2<P: Probe>(
+    tables: &Views,
+    rays: &[&Ray; LANES],
+    count: usize,
+    cells: &mut [u32; LANES],
+    answers: &mut Answers,
+    probe: &mut P,
+) {
+    packet::packet::<Avx2, P>(tables, rays, count, cells, answers, probe)
+}
+
+/// What rays meet that is in no doubt.
+///
+/// # Panics
+/// If the CPU lacks AVX2 or FMA (debug builds).
+#[inline]
+pub(super) fn packet<P: Probe>(
+    tables: &Views,
+    rays: &[&Ray; LANES],
+    count: usize,
+    cells: &mut [u32; LANES],
+    answers: &mut Answers,
+    probe: &mut P,
+) {
+    debug_assert!(is_available());
+    // SAFETY: as in `run`.
+    unsafe { packet_avx2(tables, rays, count, cells, answers, probe) }
 }
 
 /// What a ray meets that is in no doubt.

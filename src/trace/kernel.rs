@@ -4,10 +4,12 @@
 use super::avx2;
 use super::cost::Cost;
 use super::lanes::Portable;
+use super::packet::{Answers, packet};
 use super::quick::{Quick, quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
 use crate::format::Views;
+use crate::format::records::LANES;
 
 /// An instruction set that this CPU has. Made only by the functions below, which look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,6 +66,25 @@ impl Kernel {
             Set::Portable => quick::<Portable, _>(tables, ray, hint, &mut Plain::<ANY>(self)),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::quick(tables, ray, hint, &mut Plain::<ANY>(self)),
+        }
+    }
+
+    /// The same of the first `count` of eight rays at once.
+    #[inline]
+    pub(super) fn packet<const ANY: bool>(
+        self,
+        tables: &Views,
+        rays: &[&Ray; LANES],
+        count: usize,
+        cells: &mut [u32; LANES],
+        answers: &mut Answers,
+    ) {
+        match self.0 {
+            Set::Portable => {
+                packet::<Portable, _>(tables, rays, count, cells, answers, &mut Plain::<ANY>(self))
+            }
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::packet(tables, rays, count, cells, answers, &mut Plain::<ANY>(self)),
         }
     }
 

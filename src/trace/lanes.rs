@@ -33,8 +33,14 @@ pub(crate) trait Lanes: Copy {
     fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
     /// Either mask.
     fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    /// The second mask where the first is not.
+    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    /// `a` where the mask is, else `b`.
+    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self;
     /// Lane i is bit i.
     fn bits(mask: Mask<Self>) -> u32;
+    /// Lane j of the i-th has what lane i of the j-th had.
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES];
 }
 
 /// Lanes of all ones or all zeros.
@@ -127,6 +133,30 @@ impl Lanes for Portable {
     #[inline(always)]
     fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
         Mask(a.0.zip(b.0, |a, b| f32::from_bits(a.to_bits() | b.to_bits())))
+    }
+    #[inline(always)]
+    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+        Mask(a.0.zip(b.0, |a, b| f32::from_bits(!a.to_bits() & b.to_bits())))
+    }
+    #[inline(always)]
+    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self {
+        let mut out = b;
+        for lane in 0..LANES {
+            if mask.0.0[lane].to_bits() != 0 {
+                out.0[lane] = a.0[lane];
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
+        let mut out = rows;
+        for (row, from) in rows.iter().enumerate() {
+            for (lane, to) in out.iter_mut().enumerate() {
+                to.0[row] = from.0[lane];
+            }
+        }
+        out
     }
     #[inline(always)]
     fn bits(mask: Mask<Self>) -> u32 {

@@ -114,7 +114,7 @@ fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
     let holds = |&&cell: &&u32| {
         let step = &tables.steps[cell as usize];
         let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
-        if step.flags != u32::from(CellRecord::FREE) || !step.is_some() {
+        if step.flags != CellRecord::FREE || !step.is_some() {
             let record = &tables.cells[cell as usize];
             return !step.is_some()
                 && record.flags == CellRecord::FREE

@@ -10,14 +10,17 @@ mod kernel;
 mod lanes;
 mod locate;
 mod meet;
+mod packet;
 mod path;
 mod plan;
+mod plate;
 mod quick;
 mod ray;
 mod single;
 mod step;
 mod walk;
 
+pub use batch::Starts;
 pub use cost::Cost;
 pub use kernel::Kernel;
 pub use locate::Place;
@@ -26,6 +29,7 @@ pub(crate) use locate::{crossings, height};
 pub(crate) use path::Prisms;
 #[cfg(feature = "compile")]
 pub(crate) use path::{BLURRED, to_lattice};
+pub(crate) use plate::{Plate, plate_of};
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
-pub(crate) use step::step_of;
+pub(crate) use step::{Part, Step, step_of};

@@ -17,21 +17,22 @@ use super::kernel::Probe;
 use super::lanes::Lanes;
 use super::path::{BLURRED, NEAR};
 use super::ray::Ray;
+use super::step::Step;
 use super::walk::{Found, Query, Walk, inverse};
 use crate::format::Views;
-use crate::format::records::{BLOCK_BIT, CellRecord, CoverRecord, LANES, PLAIN, SideRecord, StepRecord};
+use crate::format::records::{BLOCK_BIT, CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
-const UNIT: f64 = 1e-14;
+pub(super) const UNIT: f64 = 1e-14;
 
 /// Steeper rays, whose directions are shorter than this in the plan, are left to `cells`.
-const STEEPEST: f64 = 1e-3;
+pub(super) const STEEPEST: f64 = 1e-3;
 
 /// Lattices with fewer steps in a metre than 2 to this power reach too far for f32.
 const COARSEST: u32 = 15;
 
 /// Where a ray runs at a plane more along it than this, its sine, rounding moves what it meets too far.
-const GRAZING: f64 = 1.0 / 64.0;
+pub(super) const GRAZING: f64 = 1.0 / 64.0;
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug)]
@@ -57,15 +58,16 @@ pub(super) fn quick<L: Lanes, P: Probe>(
 }
 
 /// A ray under way.
-struct Way<'a> {
+#[derive(Clone, Copy)]
+pub(super) struct Way<'a> {
     tables: &'a Views,
     /// As the caller has it.
-    origin: DVec3,
-    direction: DVec3,
-    limit: f64,
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) limit: f64,
     /// Along the lattice's axes, from its origin.
-    from: DVec3,
-    along: DVec3,
+    pub(super) from: DVec3,
+    pub(super) along: DVec3,
     /// 1 by the third component of `along`.
     steep: f64,
     /// The third Pluecker coordinate of its line in the plan, see `plan`.
@@ -74,11 +76,11 @@ struct Way<'a> {
     blurred: f64,
 }
 
-/// Where a ray leaves a prism, and where that leads: a link of [`StepRecord`].
+/// Where a ray leaves a prism, and where that leads: a link of [`Step`].
 #[derive(Clone, Copy)]
-struct Exit {
-    t: f64,
-    link: u32,
+pub(super) struct Exit {
+    pub(super) t: f64,
+    pub(super) link: u32,
 }
 
 /// An edge of a footprint.
@@ -92,7 +94,7 @@ struct Edge {
 
 impl<'a> Way<'a> {
     #[inline(always)]
-    fn new(tables: &'a Views, ray: &Ray) -> Option<Self> {
+    pub(super) fn new(tables: &'a Views, ray: &Ray) -> Option<Self> {
         let scene = &tables.scene[0];
         let mut direction = DVec3::from(ray.direction);
         let squared = direction.length_squared();
@@ -124,27 +126,40 @@ impl<'a> Way<'a> {
 
     #[inline(always)]
     fn run<L: Lanes>(&self, hint: u32, probe: &mut impl Probe) -> Option<Quick> {
+        let exit = self.leave::<L, true>(hint)?;
+        self.onward::<L>(hint, exit, probe)
+    }
+
+    /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.
+    #[inline(always)]
+    pub(super) fn plate(&self, source: u32) -> Option<Found> {
+        // No such source: left to others.
+        let plate = self.tables.plates.get(source as usize)?;
+        let normal = DVec3::from(plate.normal);
+        let toward = normal.dot(self.direction);
+        let t = (plate.offset - normal.dot(self.origin)) / toward;
+        // Not where it runs along it, nor where it starts in the matter by what cells are rounded.
+        (toward.abs() >= GRAZING && t >= 0.0).then_some(Found { t, triangle: plate.triangle })
+    }
+
+    /// What the ray meets from a cell on that it leaves at `exit`.
+    #[inline(always)]
+    pub(super) fn onward<L: Lanes>(
+        &self,
+        mut cell: u32,
+        mut exit: Exit,
+        probe: &mut impl Probe,
+    ) -> Option<Quick> {
         let tables = self.tables;
-        let mut cell = hint;
-        let mut exit = self.leave::<L, true>(cell)?;
         // Each once.
         for _ in 0..tables.cells.len() {
             probe.cell();
             // What stands behind the face, if that ends the way.
             let (mut t, mut triangle, mut source) = (exit.t, NONE, NONE);
-            let is_last = exit.link == StepRecord::AROUND;
-            if exit.link & StepRecord::PLATE != 0 && !is_last {
-                // No such source: left to others.
-                source = exit.link & !StepRecord::PLATE;
-                let plate = tables.plates.get(source as usize)?;
-                let normal = DVec3::from(plate.normal);
-                let toward = normal.dot(self.direction);
-                t = (plate.offset - normal.dot(self.origin)) / toward;
-                // Not where it runs along it, nor where it starts in the matter by what cells are rounded.
-                if !(toward.abs() >= GRAZING && t >= 0.0) {
-                    return None;
-                }
-                triangle = plate.triangle;
+            let is_last = exit.link == Step::AROUND;
+            if exit.link & Step::PLATE != 0 && !is_last {
+                source = exit.link & !Step::PLATE;
+                Found { t, triangle } = self.plate(source)?;
             }
             let root = self.root(cell);
             if root != NONE {
@@ -186,7 +201,7 @@ impl<'a> Way<'a> {
 
     /// Whether the ray comes to any of a node's boxes before `until`.
     #[inline(always)]
-    fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
+    pub(super) fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
         probe.node();
         let slack = self.tables.scene[0].slack;
         let until = until as f32;
@@ -209,14 +224,14 @@ impl<'a> Way<'a> {
     }
 
     #[inline(never)]
-    fn detail(&self, root: u32, [from, until]: [f64; 2], probe: &mut impl Probe) -> Found {
+    pub(super) fn detail(&self, root: u32, [from, until]: [f64; 2], probe: &mut impl Probe) -> Found {
         let scene = &self.tables.scene[0];
         let query = Query::new(self.origin, self.direction, (from.max(0.0), until), 0.0, scene, root, None);
         probe.first(&Walk::new(self.tables), &query)
     }
 
     #[inline(always)]
-    fn nothing(&self, cell: u32) -> Quick {
+    pub(super) fn nothing(&self, cell: u32) -> Quick {
         Quick { found: Found { t: self.limit, triangle: NONE }, cell, source: NONE }
     }
 
@@ -244,14 +259,14 @@ impl<'a> Way<'a> {
 
     /// The root of the detail of a cell that the ray leaves.
     #[inline(always)]
-    fn root(&self, cell: u32) -> u32 {
+    pub(super) fn root(&self, cell: u32) -> u32 {
         let step = &self.tables.steps[cell as usize];
         if step.is_some() { step.root } else { self.tables.cells[cell as usize].root }
     }
 
     /// Where the ray leaves a prism of air; if it is the `FIRST`, it must start in it.
     #[inline(always)]
-    fn leave<L: Lanes, const FIRST: bool>(&self, cell: u32) -> Option<Exit> {
+    pub(super) fn leave<L: Lanes, const FIRST: bool>(&self, cell: u32) -> Option<Exit> {
         let step = self.tables.steps.get(cell as usize)?;
         if !step.is_some() {
             return self.leave_any::<FIRST>(cell);
@@ -289,7 +304,10 @@ impl<'a> Way<'a> {
         let blur = BLURRED * (2.0 + (ex.abs() + ey.abs()) * per * self.along.z.abs());
         if height >= floor + blur && height <= ceiling - blur {
             let link = step.next[index];
-            if link == StepRecord::PARTS {
+            if link & (Step::PLATE | Step::SPLIT) == Step::SPLIT {
+                return self.split(link & !Step::SPLIT, t, [right, left], height, blur);
+            }
+            if link == Step::PARTS {
                 let (first, end) =
                     (step.side[index], if index + 1 < LANES { step.side[index + 1] } else { 0 });
                 return self.part(cell, Edge { side: first.into(), a, b }, end.into(), t, per);
@@ -320,9 +338,38 @@ impl<'a> Way<'a> {
             return None;
         }
         match step.vertical[vertical] {
-            StepRecord::PARTS => self.cover(cell, vertical == 0, t, at, self.along.z),
+            Step::PARTS => self.cover(cell, vertical == 0, t, at, self.along.z),
             link => Some(Exit { t, link }),
         }
+    }
+
+    /// The part of an edge that the ray leaves through, and the face of that, of those from the `first` on.
+    #[inline(always)]
+    fn split(
+        &self,
+        first: u32,
+        t: f64,
+        [mut right, mut left]: [f64; 2],
+        height: f64,
+        blur: f64,
+    ) -> Option<Exit> {
+        let mut rest = self.tables.parts.get(first as usize..)?.iter();
+        let mut part = rest.next()?;
+        while part.last == 0 {
+            let next = rest.next()?;
+            let side = self.side(next.start);
+            if side >= 0.0 {
+                left = side;
+                break;
+            }
+            (part, right) = (next, side);
+        }
+        let over = height - f64::from(part.top[0]);
+        let over_next = height - f64::from(part.top[1]);
+        let is_clear =
+            -right >= self.blurred && left >= self.blurred && over.abs() >= blur && over_next.abs() >= blur;
+        let face = usize::from(over > 0.0) + usize::from(over_next > 0.0);
+        is_clear.then_some(Exit { t, link: part.link[face] })
     }
 
     /// The part of an edge that the ray leaves through: of the sides up to `end`, or the last of all if that is 0, the last that starts
@@ -375,13 +422,13 @@ impl<'a> Way<'a> {
         if source == NONE {
             let link = match self.tables.cells[cell as usize].kind {
                 CellRecord::AIR => cell,
-                CellRecord::AROUND => StepRecord::AROUND,
+                CellRecord::AROUND => Step::AROUND,
                 _ => return None,
             };
             return Some(Exit { t, link });
         }
         let is_matter = self.tables.cells[cell as usize].kind == CellRecord::SOLID;
-        (flags == PLAIN && is_matter).then_some(Exit { t, link: StepRecord::PLATE | source })
+        (flags == PLAIN && is_matter).then_some(Exit { t, link: Step::PLATE | source })
     }
 
     /// The same as `leave`, of any prism of air.

@@ -154,7 +154,7 @@ impl Scene {
     }
 
     /// What the quick way found, as a record.
-    fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
+    pub(super) fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
         let &Quick { found, cell, source } = quick;
         let Some(direction) = unit(DVec3::from(ray.direction)) else { return Hit::ESCAPED };
         if found.triangle == NONE {

@@ -1,29 +1,149 @@
-//! What makes a cell simple: its record of the section `steps`, read off the other sections.
+//! What makes a cell simple: all that a ray's way through it needs, side by side, read off the sections when a scene is opened.
+
+use bytemuck::{Pod, Zeroable};
 
 use super::NONE;
 use super::path::Prisms;
-use crate::format::records::{CellRecord, LANES, PLAIN, StepRecord};
+use crate::format::records::{CellRecord, LANES, PLAIN, SideRecord};
 
-/// The step of a cell: that of the file and that which opening it expects.
-pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord) -> StepRecord {
+/// What a ray's way through a simple prism of air needs: 128 bytes, two lines of a cache. It says nothing that the sections of a scene do
+/// not say.
+///
+/// Of cells that are no prisms of air with at most eight corners that turn, and at most 255 sides, the first of them starting at such a
+/// corner: zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Step {
+    /// x of each corner of the footprint at which its border turns, as `SideRecord::start` has it; then of the first again.
+    pub(crate) x: [f32; LANES],
+    /// The same for y.
+    pub(crate) y: [f32; LANES],
+    /// Where the edge from each leads, a *link*; zeros for none.
+    pub(crate) next: [u32; LANES],
+    /// The side that starts at each corner, counted from the cell's first; then the number of its sides again.
+    pub(crate) side: [u8; LANES],
+    /// Heights of floor and ceiling, exact; NaN if one is sloped.
+    pub(crate) height: [f32; 2],
+    /// Where floor and ceiling lead.
+    pub(crate) vertical: [u32; 2],
+    /// `CellRecord::root`.
+    pub(crate) root: u32,
+    /// `CellRecord::flags`.
+    pub(crate) flags: u16,
+    /// How many corners turn.
+    pub(crate) corners: u16,
+}
+
+impl Step {
+    /// Of cells that are not simple.
+    pub(crate) const NONE: Step = Step {
+        x: [0.0; LANES],
+        y: [0.0; LANES],
+        next: [0; LANES],
+        side: [0; LANES],
+        height: [0.0; 2],
+        vertical: [0; 2],
+        root: 0,
+        flags: 0,
+        corners: 0,
+    };
+    /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
+    /// a link is the number of a prism of air.
+    pub(crate) const PLATE: u32 = 1 << 31;
+    /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge; the others are the number of the first.
+    pub(crate) const SPLIT: u32 = 1 << 30;
+    /// The link of what has other parts: the sections tell.
+    pub(crate) const PARTS: u32 = u32::MAX - 1;
+    /// The link of what lies around the prisms.
+    pub(crate) const AROUND: u32 = u32::MAX - 2;
+    /// The link of what is left to other kernels: matter that is not plain.
+    pub(crate) const OTHER: u32 = u32::MAX;
+
+    /// Whether the cell is simple.
+    #[inline(always)]
+    pub(crate) fn is_some(&self) -> bool {
+        self.corners != 0
+    }
+}
+
+/// A part of an edge of a simple prism's footprint, as far as the next part's start, and what is over it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Part {
+    /// Where it starts, as [`Step::x`] and `y`.
+    pub(crate) start: [f32; 2],
+    /// Where the first and the second face over it end, exact; infinite where there are no more.
+    pub(crate) top: [f32; 2],
+    /// Where its faces lead, from the floor up.
+    pub(crate) link: [u32; Part::FACES],
+    /// 1 for the last of an edge.
+    pub(crate) last: u32,
+}
+
+impl Part {
+    /// At most so many faces.
+    const FACES: usize = 3;
+}
+
+/// Where a face of a simple prism leads.
+fn link(prisms: &Prisms<'_>, cell: u32, source: u32, flags: u16) -> u32 {
+    match prisms.cells.get(cell as usize) {
+        Some(next)
+            if next.kind == CellRecord::SOLID && flags == PLAIN && (source | Step::PLATE) < Step::AROUND =>
+        {
+            Step::PLATE | source
+        }
+        Some(next) if source == NONE && next.kind == CellRecord::AIR && cell < Step::SPLIT => cell,
+        Some(next) if source == NONE && next.kind == CellRecord::AROUND => Step::AROUND,
+        _ => Step::OTHER,
+    }
+}
+
+/// Where an edge leads that is split into these sides.
+fn split(prisms: &Prisms<'_>, sides: &[SideRecord], parts: &mut Vec<Part>) -> u32 {
+    let first = parts.len();
+    for (index, side) in sides.iter().enumerate() {
+        let faces = prisms.faces_of(side);
+        let mut part = Part {
+            start: side.start,
+            top: [f32::INFINITY; 2],
+            link: [Step::OTHER; Part::FACES],
+            last: u32::from(index + 1 == sides.len()),
+        };
+        let tops = faces.iter().rev().skip(1).rev().map(|face| exact(prisms, face.top));
+        let is_simple = faces.len() <= Part::FACES
+            && tops.enumerate().all(|(face, top)| {
+                part.top[face] = top;
+                !top.is_nan()
+            });
+        if !is_simple || first >= Step::SPLIT as usize {
+            parts.truncate(first);
+            return Step::PARTS;
+        }
+        for (to, face) in part.link.iter_mut().zip(faces) {
+            *to = link(prisms, face.cell, face.source, face.flags);
+        }
+        parts.push(part);
+    }
+    Step::SPLIT | first as u32
+}
+
+/// The height of a plane that is level, if f32 has it; else NaN. On the lattice it is.
+fn exact(prisms: &Prisms<'_>, plane: u32) -> f32 {
+    match prisms.level(plane) {
+        Some(height) if f64::from(height as f32) == height => height as f32,
+        _ => f32::NAN,
+    }
+}
+
+/// The step of a cell; parts of its edges are added to `parts`.
+pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Part>) -> Step {
     let sides = prisms.sides_of(cell);
     let count = sides.len();
     if cell.kind != CellRecord::AIR || count < 3 || count > usize::from(u8::MAX) {
-        return StepRecord::NONE;
+        return Step::NONE;
     }
-    let link = |cell: u32, source: u32, flags: u16| match prisms.cells.get(cell as usize) {
-        Some(next)
-            if next.kind == CellRecord::SOLID
-                && flags == PLAIN
-                && (source | StepRecord::PLATE) < StepRecord::AROUND =>
-        {
-            StepRecord::PLATE | source
-        }
-        Some(next) if source == NONE && next.kind == CellRecord::AIR && cell < StepRecord::PLATE => cell,
-        Some(next) if source == NONE && next.kind == CellRecord::AROUND => StepRecord::AROUND,
-        _ => StepRecord::OTHER,
-    };
-    let mut step = StepRecord { root: cell.root, flags: cell.flags.into(), ..StepRecord::NONE };
+    let mut step = Step { root: cell.root, flags: cell.flags, ..Step::NONE };
     let mut corners = 0;
     for (index, side) in sides.iter().enumerate() {
         let before = sides[(index + count - 1) % count].start.map(f64::from);
@@ -34,21 +154,29 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord) -> StepRecord {
             (here[0] - before[0]) * (after[1] - here[1]) != (here[1] - before[1]) * (after[0] - here[0]);
         if !turns {
             if corners == 0 {
-                return StepRecord::NONE;
+                return Step::NONE;
             }
-            step.next[corners - 1] = StepRecord::PARTS;
+            step.next[corners - 1] = Step::PARTS;
             continue;
         }
         if corners == LANES {
-            return StepRecord::NONE;
+            return Step::NONE;
         }
         [step.x[corners], step.y[corners]] = side.start;
         step.side[corners] = index as u8;
         step.next[corners] = match prisms.faces_of(side) {
-            [only] => link(only.cell, only.source, only.flags),
-            _ => StepRecord::PARTS,
+            [only] => link(prisms, only.cell, only.source, only.flags),
+            _ => Step::PARTS,
         };
         corners += 1;
+    }
+    step.corners = corners as u16;
+    for corner in 0..corners {
+        if step.next[corner] == Step::PARTS {
+            let start = usize::from(step.side[corner]);
+            let end = if corner + 1 < corners { step.side[corner + 1].into() } else { count };
+            step.next[corner] = split(prisms, &sides[start..end], parts);
+        }
     }
     for lane in corners..LANES {
         (step.x[lane], step.y[lane], step.side[lane]) = (step.x[0], step.y[0], count as u8);
@@ -56,14 +184,10 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord) -> StepRecord {
     let (below, above) = prisms.covers_of(cell);
     for (end, plane, covers) in [(0, cell.floor, below), (1, cell.ceiling, above)] {
         step.vertical[end] = match covers {
-            [only] => link(only.cell, only.source, only.flags),
-            _ => StepRecord::PARTS,
+            [only] => link(prisms, only.cell, only.source, only.flags),
+            _ => Step::PARTS,
         };
-        // On the lattice where it is level: exact in f32.
-        step.height[end] = match prisms.level(plane) {
-            Some(height) if f64::from(height as f32) == height => height as f32,
-            _ => f32::NAN,
-        };
+        step.height[end] = exact(prisms, plane);
     }
     step
 }

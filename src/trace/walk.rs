@@ -23,7 +23,7 @@ use crate::format::{MAX_DEPTH, Views};
 const STACK: usize = (MAX_DEPTH as usize + 1) * (LANES - 1) + 1;
 
 /// Least size of a direction's component in the box test: smaller ones move a ray by less than the slack.
-const LEAST: f32 = 1e-9;
+pub(super) const LEAST: f32 = 1e-9;
 
 /// As `array::map`, which is not always inlined: a tenth of a short ray's time.
 #[inline(always)]
