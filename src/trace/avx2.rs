@@ -2,16 +2,20 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_cmp_ps,
-    _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
-    _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps,
-    _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_ps, _mm256_sub_ps,
-    _mm256_unpackhi_ps, _mm256_unpacklo_ps, _mm256_xor_ps,
+    __m256, __m256d, _CMP_LE_OQ, _mm256_add_pd, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_pd,
+    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
+    _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_ps, _mm256_div_pd, _mm256_div_ps,
+    _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_pd,
+    _mm256_min_ps, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_or_ps,
+    _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps, _mm256_set_m128,
+    _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_sqrt_pd,
+    _mm256_storeu_pd, _mm256_storeu_ps, _mm256_sub_pd, _mm256_sub_ps, _mm256_unpackhi_pd, _mm256_unpackhi_ps,
+    _mm256_unpacklo_pd, _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 
 use super::kernel::Probe;
-use super::lanes::{Lanes, Mask};
-use super::packet::{self, Answers};
+use super::lanes::{Lanes, Mask, Wide};
+use super::packet::{self, Eight};
 use super::quick::{self, Quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
@@ -23,7 +27,124 @@ use crate::format::records::LANES;
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
+/// Eight f64 in two registers. As [`Avx2`], which is the SAFETY of every intrinsic here too.
+#[derive(Clone, Copy)]
+struct Avx2Wide(__m256d, __m256d);
+
+impl Wide for Avx2Wide {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        let x = unsafe { _mm256_set1_pd(x) };
+        Avx2Wide(x, x)
+    }
+    #[inline(always)]
+    fn load(from: &[f64; LANES]) -> Self {
+        let (first, second) = from.split_at(LANES / 2);
+        // SAFETY: see `Avx2Wide`; each half holds the four that are read, and no alignment is needed.
+        unsafe { Avx2Wide(_mm256_loadu_pd(first.as_ptr()), _mm256_loadu_pd(second.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self) -> [f64; LANES] {
+        let mut out = [0.0; LANES];
+        // SAFETY: see `Avx2Wide`; the array has room for the eight, and no alignment is needed.
+        unsafe {
+            _mm256_storeu_pd(out.as_mut_ptr(), self.0);
+            _mm256_storeu_pd(out.as_mut_ptr().add(LANES / 2), self.1);
+        }
+        out
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_add_pd(self.0, other.0), _mm256_add_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_sub_pd(self.0, other.0), _mm256_sub_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_mul_pd(self.0, other.0), _mm256_mul_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_div_pd(self.0, other.0), _mm256_div_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Avx2Wide(_mm256_andnot_pd(sign, self.0), _mm256_andnot_pd(sign, self.1))
+        }
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe { Avx2Wide(_mm256_min_pd(self.0, other.0), _mm256_min_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> u32 {
+        // SAFETY: see `Avx2Wide`.
+        unsafe {
+            let first = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0));
+            let second = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.1, other.1));
+            (first | second << (LANES / 2)) as u32
+        }
+    }
+    #[inline(always)]
+    fn le_select(self, other: Self, one: Self, another: Self) -> Self {
+        // SAFETY: see `Avx2Wide`.
+        unsafe {
+            let first = _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0);
+            let second = _mm256_cmp_pd::<_CMP_LE_OQ>(self.1, other.1);
+            Avx2Wide(_mm256_blendv_pd(another.0, one.0, first), _mm256_blendv_pd(another.1, one.1, second))
+        }
+    }
+    #[inline(always)]
+    fn columns([r0, r1, r2, r3, r4, r5, r6, r7]: [&[f64; 4]; LANES]) -> [Self; 4] {
+        let [a0, a1, a2, a3] = columns([r0, r1, r2, r3]);
+        let [b0, b1, b2, b3] = columns([r4, r5, r6, r7]);
+        [Avx2Wide(a0, b0), Avx2Wide(a1, b1), Avx2Wide(a2, b2), Avx2Wide(a3, b3)]
+    }
+}
+
+/// Four rows, their columns.
+#[inline(always)]
+fn columns([r0, r1, r2, r3]: [&[f64; 4]; 4]) -> [__m256d; 4] {
+    // SAFETY: see `Avx2Wide`; each array holds the four that are read, and no alignment is needed.
+    unsafe {
+        let (a, b) = (_mm256_loadu_pd(r0.as_ptr()), _mm256_loadu_pd(r1.as_ptr()));
+        let (c, d) = (_mm256_loadu_pd(r2.as_ptr()), _mm256_loadu_pd(r3.as_ptr()));
+        // Of each pair of rows the even and the odd, then the halves.
+        let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(ab_even, cd_even),
+            _mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd),
+            _mm256_permute2f128_pd::<0x31>(ab_even, cd_even),
+            _mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd),
+        ]
+    }
+}
+
 impl Lanes for Avx2 {
+    type Wide = Avx2Wide;
+
+    #[inline(always)]
+    fn narrow(wide: Avx2Wide) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(wide.1), _mm256_cvtpd_ps(wide.0)) })
+    }
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: see `Avx2`.
@@ -122,6 +243,15 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0.0) })
     }
     #[inline(always)]
+    fn differs(self, other: f32) -> u32 {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let (one, other) = (_mm256_castps_si256(self.0), _mm256_set1_epi32(other.to_bits() as i32));
+            let same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(one, other));
+            !_mm256_movemask_ps(same) as u32 & ((1 << LANES) - 1)
+        }
+    }
+    #[inline(always)]
     fn transpose([r0, r1, r2, r3, r4, r5, r6, r7]: [Self; LANES]) -> [Self; LANES] {
         // SAFETY: see `Avx2`.
         unsafe {
@@ -177,11 +307,10 @@ fn packet_avx2<P: Probe>(
     tables: &Views,
     rays: &[&Ray; LANES],
     count: usize,
-    cells: &mut [u32; LANES],
-    answers: &mut Answers,
+    eight: &mut Eight,
     probe: &mut P,
 ) {
-    packet::packet::<Avx2, P>(tables, rays, count, cells, answers, probe)
+    packet::packet::<Avx2, P>(tables, rays, count, eight, probe)
 }
 
 /// What rays meet that is in no doubt.
@@ -193,13 +322,12 @@ pub(super) fn packet<P: Probe>(
     tables: &Views,
     rays: &[&Ray; LANES],
     count: usize,
-    cells: &mut [u32; LANES],
-    answers: &mut Answers,
+    eight: &mut Eight,
     probe: &mut P,
 ) {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { packet_avx2(tables, rays, count, cells, answers, probe) }
+    unsafe { packet_avx2(tables, rays, count, eight, probe) }
 }
 
 /// What a ray meets that is in no doubt.

@@ -1,7 +1,7 @@
 //! Many rays at once, into the caller's own buffers.
 
 use super::kernel::Kernel;
-use super::packet::Answers;
+use super::packet::Eight;
 use super::quick::Quick;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::{Start, Want};
@@ -118,12 +118,14 @@ impl Scene {
         briefs: &mut [Brief],
     ) {
         for_each_chunk(rays, starts, briefs, |rays, starts, briefs| {
-            self.quick_many::<false>(kernel, starts, rays, |index, quick| {
-                briefs[index] = match quick {
-                    Some(Quick { found, .. }) if found.triangle == NONE => Brief::ESCAPED,
-                    Some(Quick { found, cell, .. }) => Brief { t: found.t, triangle: found.triangle, cell },
-                    None => self.trace_brief_with(kernel, starts.of(index), &rays[index]),
-                };
+            self.eights::<false>(kernel, starts, rays, |first, count, eight| {
+                for lane in 0..count {
+                    briefs[first + lane] = eight.brief(lane);
+                }
+                for lane in (0..count).filter(|lane| eight.known >> lane & 1 == 0) {
+                    let index = first + lane;
+                    briefs[index] = self.trace_brief_with(kernel, starts.of(index), &rays[index]);
+                }
             });
         });
     }
@@ -143,13 +145,28 @@ impl Scene {
         });
     }
 
-    /// Tells what each ray meets that is in no doubt, eight at a time.
+    /// Tells what each ray meets that is in no doubt.
     fn quick_many<const ANY: bool>(
         &self,
         kernel: Kernel,
         starts: Starts<'_>,
         rays: &[Ray],
         mut tell: impl FnMut(usize, Option<Quick>),
+    ) {
+        self.eights::<ANY>(kernel, starts, rays, |first, count, eight| {
+            for lane in 0..count {
+                tell(first + lane, eight.get(lane));
+            }
+        });
+    }
+
+    /// Tells what rays meet that is in no doubt, eight at a time: from the first of them on.
+    fn eights<const ANY: bool>(
+        &self,
+        kernel: Kernel,
+        starts: Starts<'_>,
+        rays: &[Ray],
+        mut tell: impl FnMut(usize, usize, &Eight),
     ) {
         // Rays of a camera or of a scanner start at the same point, one after the other.
         let mut last = ([f64::NAN; 3], NONE);
@@ -159,27 +176,29 @@ impl Scene {
             }
             last.1
         };
-        let mut answers = Answers::NONE;
+        let is_air = |cell: u32| {
+            let cell = self.tables.cells.get(cell as usize);
+            cell.is_some_and(|cell| cell.kind == CellRecord::AIR)
+        };
+        let mut eight = Eight::NONE;
+        let mut known = NONE;
         for (group, rays) in rays.chunks(LANES).enumerate() {
             let first = group * LANES;
             let mut lanes = [&rays[0]; LANES];
-            let mut cells = [NONE; LANES];
             for (lane, ray) in rays.iter().enumerate() {
                 lanes[lane] = ray;
-                let known = match starts {
+                let cell = match starts {
                     Starts::Anywhere => NONE,
                     Starts::Cell(cell) => cell,
                     Starts::Cells(cells) => cells[first + lane],
                 };
-                cells[lane] = match self.tables.cells.get(known as usize) {
-                    Some(CellRecord { kind: CellRecord::AIR, .. }) => known,
-                    _ => locate(ray.origin),
-                };
+                if cell != known && is_air(cell) {
+                    known = cell;
+                }
+                eight.cells[lane] = if cell == known && cell != NONE { cell } else { locate(ray.origin) };
             }
-            kernel.packet::<ANY>(&self.tables, &lanes, rays.len(), &mut cells, &mut answers);
-            for lane in 0..rays.len() {
-                tell(first + lane, answers.get(lane));
-            }
+            kernel.packet::<ANY>(&self.tables, &lanes, rays.len(), &mut eight);
+            tell(first, rays.len(), &eight);
         }
     }
 }

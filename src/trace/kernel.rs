@@ -4,7 +4,7 @@
 use super::avx2;
 use super::cost::Cost;
 use super::lanes::Portable;
-use super::packet::{Answers, packet};
+use super::packet::{Eight, packet};
 use super::quick::{Quick, quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
@@ -76,15 +76,12 @@ impl Kernel {
         tables: &Views,
         rays: &[&Ray; LANES],
         count: usize,
-        cells: &mut [u32; LANES],
-        answers: &mut Answers,
+        eight: &mut Eight,
     ) {
         match self.0 {
-            Set::Portable => {
-                packet::<Portable, _>(tables, rays, count, cells, answers, &mut Plain::<ANY>(self))
-            }
+            Set::Portable => packet::<Portable, _>(tables, rays, count, eight, &mut Plain::<ANY>(self)),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::packet(tables, rays, count, cells, answers, &mut Plain::<ANY>(self)),
+            Set::Avx2 => avx2::packet(tables, rays, count, eight, &mut Plain::<ANY>(self)),
         }
     }
 

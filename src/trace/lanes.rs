@@ -4,6 +4,10 @@ use crate::format::records::LANES;
 
 /// Eight f32. Comparisons with NaN are false. Masks are eight lanes too, and end as bits.
 pub(crate) trait Lanes: Copy {
+    /// As many f64.
+    type Wide: Wide;
+    /// Rounded.
+    fn narrow(wide: Self::Wide) -> Self;
     /// All lanes `x`.
     fn splat(x: f32) -> Self;
     /// The lanes of an array.
@@ -37,10 +41,36 @@ pub(crate) trait Lanes: Copy {
     fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
     /// `a` where the mask is, else `b`.
     fn select(mask: Mask<Self>, a: Self, b: Self) -> Self;
+    /// Lane i is bit i: whether its bits are not those of `other`.
+    fn differs(self, other: f32) -> u32;
     /// Lane i is bit i.
     fn bits(mask: Mask<Self>) -> u32;
     /// Lane j of the i-th has what lane i of the j-th had.
     fn transpose(rows: [Self; LANES]) -> [Self; LANES];
+}
+
+/// Eight f64 side by side, as [`Lanes`] are f32: every operation is rounded as that of two numbers is.
+pub(crate) trait Wide: Copy {
+    /// All lanes `x`.
+    fn splat(x: f64) -> Self;
+    /// The lanes of an array.
+    fn load(from: &[f64; LANES]) -> Self;
+    /// The lanes as an array.
+    fn store(self) -> [f64; LANES];
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
+    fn sqrt(self) -> Self;
+    fn abs(self) -> Self;
+    /// `other` where it is less or a lane is NaN.
+    fn min(self, other: Self) -> Self;
+    /// Lane i is bit i: whether `self <= other`.
+    fn le(self, other: Self) -> u32;
+    /// Where `self <= other` one, else another.
+    fn le_select(self, other: Self, one: Self, another: Self) -> Self;
+    /// The i-th has of each row what is at i.
+    fn columns(rows: [&[f64; 4]; LANES]) -> [Self; 4];
 }
 
 /// Lanes of all ones or all zeros.
@@ -62,7 +92,103 @@ impl Portable {
     }
 }
 
+/// Any machine.
+#[derive(Clone, Copy)]
+pub(crate) struct PortableWide([f64; LANES]);
+
+impl PortableWide {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let mut out = self.0;
+        for (x, y) in out.iter_mut().zip(other.0) {
+            *x = f(*x, y);
+        }
+        PortableWide(out)
+    }
+}
+
+impl Wide for PortableWide {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        PortableWide([x; LANES])
+    }
+    #[inline(always)]
+    fn load(from: &[f64; LANES]) -> Self {
+        PortableWide(*from)
+    }
+    #[inline(always)]
+    fn store(self) -> [f64; LANES] {
+        self.0
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.zip(self, |a, _| a.sqrt())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.zip(self, |a, _| a.abs())
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> u32 {
+        let mut bits = 0;
+        for lane in 0..LANES {
+            bits |= u32::from(self.0[lane] <= other.0[lane]) << lane;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn le_select(self, other: Self, one: Self, another: Self) -> Self {
+        let mut out = another;
+        for lane in 0..LANES {
+            if self.0[lane] <= other.0[lane] {
+                out.0[lane] = one.0[lane];
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn columns(rows: [&[f64; 4]; LANES]) -> [Self; 4] {
+        let mut out = [PortableWide([0.0; LANES]); 4];
+        for (lane, row) in rows.iter().enumerate() {
+            for (column, x) in out.iter_mut().zip(row.iter()) {
+                column.0[lane] = *x;
+            }
+        }
+        out
+    }
+}
+
 impl Lanes for Portable {
+    type Wide = PortableWide;
+
+    #[inline(always)]
+    fn narrow(wide: PortableWide) -> Self {
+        let mut out = [0.0; LANES];
+        for (to, x) in out.iter_mut().zip(wide.0) {
+            *to = x as f32;
+        }
+        Portable(out)
+    }
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Portable([x; LANES])
@@ -147,6 +273,14 @@ impl Lanes for Portable {
             }
         }
         out
+    }
+    #[inline(always)]
+    fn differs(self, other: f32) -> u32 {
+        let mut bits = 0;
+        for lane in 0..LANES {
+            bits |= u32::from(self.0[lane].to_bits() != other.to_bits()) << lane;
+        }
+        bits
     }
     #[inline(always)]
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {

@@ -3,39 +3,44 @@
 //! A lane is a ray: all of them are taken out of their prisms by the same instructions, in f32. Where that is in doubt, more so than
 //! `quick` would be, the ray is asked about by `quick` itself; and what a face holds, or detail, is looked up by what `quick` uses. So it
 //! answers the same, to the last bit, on every kernel.
-
-use glam::DVec3;
+//!
+//! Rays that leave one prism through one face stay together, and nothing is done for one of them alone; of others each link is looked up
+//! by itself. No closure has lanes in it: not all of them are inlined, and what is not has no registers for them.
 
 use super::NONE;
 use super::kernel::Probe;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Wide};
 use super::path::{BLURRED, NEAR};
-use super::quick::{GRAZING, Quick, STEEPEST, UNIT, Way};
-use super::ray::Ray;
-use super::step::Step;
-use super::walk::{Found, LEAST, each};
+use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
+use super::ray::{Brief, Ray};
+use super::step::{Part, Step};
+use super::walk::{Found, LEAST};
 use crate::format::Views;
 use crate::format::records::{BLOCK_BIT, LANES, NodeRecord};
 
 /// Fewer rays are no packet.
 const FEW: u32 = 2;
 
-/// A number of each ray.
-type Each = [f64; LANES];
+/// All rays.
+const ALL: u32 = (1 << LANES) - 1;
 
-/// What rays meet. Lane i is bit i of masks.
-#[derive(Clone, Copy)]
-pub(super) struct Answers {
+/// Eight rays' cells, and what they meet. Lane i is bit i of masks.
+pub(super) struct Eight {
+    /// In which they start; then, where they are.
+    pub(super) cells: [u32; LANES],
     /// Those that are answered.
     pub(super) known: u32,
-    t: Each,
+    /// Infinite where nothing is met.
+    t: [f64; LANES],
     triangle: [u32; LANES],
+    /// None where nothing is met.
     cell: [u32; LANES],
     source: [u32; LANES],
 }
 
-impl Answers {
-    pub(super) const NONE: Answers = Answers {
+impl Eight {
+    pub(super) const NONE: Eight = Eight {
+        cells: [NONE; LANES],
         known: 0,
         t: [0.0; LANES],
         triangle: [NONE; LANES],
@@ -54,12 +59,34 @@ impl Answers {
         })
     }
 
+    /// The same in brief, known or not.
     #[inline(always)]
-    fn put(&mut self, lane: usize, quick: &Quick) {
-        self.known |= 1 << lane;
-        (self.t[lane], self.triangle[lane]) = (quick.found.t, quick.found.triangle);
-        (self.cell[lane], self.source[lane]) = (quick.cell, quick.source);
+    pub(super) fn brief(&self, lane: usize) -> Brief {
+        Brief { t: self.t[lane], triangle: self.triangle[lane], cell: self.cell[lane] }
     }
+
+    /// An answer; if it is farther than the ray's `limit`, that nothing is met.
+    #[inline(always)]
+    fn put(&mut self, lane: usize, quick: &Quick, limit: f64) {
+        self.known |= 1 << lane;
+        let is_met = quick.found.triangle != NONE && quick.found.t <= limit;
+        self.t[lane] = if is_met { quick.found.t } else { f64::INFINITY };
+        self.triangle[lane] = if is_met { quick.found.triangle } else { NONE };
+        self.cell[lane] = if is_met { quick.cell } else { NONE };
+        self.source[lane] = quick.source;
+    }
+}
+
+/// The lanes of a mask.
+#[inline(always)]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            lane
+        })
+    })
 }
 
 /// What the first `count` rays meet that is in no doubt, each starting in its cell.
@@ -68,44 +95,52 @@ pub(super) fn packet<L: Lanes, P: Probe>(
     tables: &Views,
     rays: &[&Ray; LANES],
     count: usize,
-    cells: &mut [u32; LANES],
-    answers: &mut Answers,
+    eight: &mut Eight,
     probe: &mut P,
 ) {
-    answers.known = 0;
-    let mut packet = Packet::<L>::new(tables, rays, count);
-    for (lane, &cell) in cells.iter().enumerate() {
-        if cell as usize >= tables.steps.len() {
-            packet.under_way &= !(1 << lane);
+    eight.known = 0;
+    let mut packet = Packet::<L>::new(tables, rays);
+    packet.under_way &= ALL >> (LANES - count);
+    if eight.cells.iter().fold(0, |most, &cell| cell.max(most)) as usize >= tables.steps.len() {
+        for (lane, &cell) in eight.cells.iter().enumerate() {
+            packet.under_way &= !(u32::from(cell as usize >= tables.steps.len()) << lane);
         }
     }
-    if packet.under_way == 0 {
+    if packet.under_way == 0 || tables.scene[0].lattice_bits < COARSEST {
         return;
     }
-    packet.step::<true, P>(cells, answers, probe);
+    packet.step::<true, P>(eight, probe);
     // Each once.
     for _ in 1..tables.cells.len() {
         if packet.under_way.count_ones() <= FEW {
             break;
         }
-        packet.step::<false, P>(cells, answers, probe);
+        packet.step::<false, P>(eight, probe);
     }
-    packet.finish(cells, answers, probe);
+    for lane in lanes(packet.under_way) {
+        let cell = eight.cells[lane];
+        if let Some(way) = packet.way(lane)
+            && let Some(exit) = way.leave::<L, false>(cell)
+            && let Some(quick) = way.onward::<L>(cell, exit, probe)
+        {
+            eight.put(lane, &quick, way.limit);
+        }
+    }
 }
 
 /// Rays under way.
-struct Packet<'a, 'r, L> {
+struct Packet<'a, 'r, L: Lanes> {
     tables: &'a Views,
     rays: &'r [&'r Ray; LANES],
     /// Those that have neither ended nor come into doubt.
     under_way: u32,
-    /// As `Way` has it.
-    origin: [Each; 3],
-    direction: [Each; 3],
-    limit: Each,
+    /// As `Way` has them.
+    origin: [L::Wide; 3],
+    direction: [L::Wide; 3],
+    limit: L::Wide,
     /// Along the lattice's axes, from its origin.
-    from: [[f32; LANES]; 3],
-    along: [[f32; LANES]; 3],
+    from: [L; 3],
+    along: [L; 3],
     /// The direction's length in the plan.
     flat: L,
     /// 1 by the third component of `along`.
@@ -121,7 +156,8 @@ struct Crossed<L> {
     /// Through a side, which part of it is not looked at.
     through_side: u32,
     /// The sides of the line that the edge's ends are on.
-    ends: [L; 2],
+    right: L,
+    left: L,
     height: L,
     /// Farther than that from `height` one aside is not.
     blur: L,
@@ -136,36 +172,80 @@ struct Crossed<L> {
 const DOWN: usize = LANES;
 const UP: usize = LANES + 1;
 
-impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
+/// The corners of rays' prisms.
+trait Corners<L> {
+    fn at(&self, corner: usize) -> (L, L);
+}
+
+/// All in one.
+struct One<'a>(&'a Step);
+
+impl<L: Lanes> Corners<L> for One<'_> {
     #[inline(always)]
-    fn new(tables: &'a Views, rays: &'r [&'r Ray; LANES], count: usize) -> Self {
+    fn at(&self, corner: usize) -> (L, L) {
+        (L::splat(self.0.x[corner % LANES]), L::splat(self.0.y[corner % LANES]))
+    }
+}
+
+/// Each in its own.
+struct Own<L> {
+    x: [L; LANES],
+    y: [L; LANES],
+}
+
+impl<L: Lanes> Corners<L> for Own<L> {
+    #[inline(always)]
+    fn at(&self, corner: usize) -> (L, L) {
+        (self.x[corner % LANES], self.y[corner % LANES])
+    }
+}
+
+/// Whether a link leads to parts of an edge.
+#[inline(always)]
+fn is_split(link: u32) -> bool {
+    link & (Step::PLATE | Step::SPLIT) == Step::SPLIT
+}
+
+/// a . b, rounded as `DVec3::dot`.
+#[inline(always)]
+fn dot<W: Wide>(a: &[W; 3], b: &[W; 3]) -> W {
+    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+}
+
+impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
+    /// Reads rays. Under way are those that `Way::new` would take, as far as it does not look where they go.
+    #[inline(always)]
+    fn new(tables: &'a Views, rays: &'r [&'r Ray; LANES]) -> Self {
         let scene = &tables.scene[0];
-        let mut under_way = 0;
-        let (mut origin, mut direction, mut limit) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0.0; LANES]);
-        for (lane, ray) in rays.iter().enumerate() {
-            for axis in 0..3 {
-                origin[axis][lane] = ray.origin[axis];
-                direction[axis][lane] = ray.direction[axis];
-            }
-            limit[lane] = ray.tmax;
-            under_way |= u32::from(lane < count && ray.tmin == 0.0 && ray.tmax >= 0.0) << lane;
+        let mut rows = [[&[0.0; 4]; LANES]; 2];
+        for (lane, &ray) in rays.iter().enumerate() {
+            let [first, second]: &[[f64; 4]; 2] = bytemuck::cast_ref(ray);
+            (rows[0][lane], rows[1][lane]) = (first, second);
         }
-        under_way &= unit(&mut direction);
-        let mut from = [[0.0f32; LANES]; 3];
-        let mut along = from;
-        let [cos, sin] = scene.lattice_turn;
+        let [ox, oy, oz, tmin] = L::Wide::columns(rows[0]);
+        let [mut dx, mut dy, mut dz, limit] = L::Wide::columns(rows[1]);
+        let zero = L::Wide::splat(0.0);
+        let mut under_way = tmin.le(zero) & zero.le(tmin) & zero.le(limit);
+        let (one, most) = (L::Wide::splat(1.0), L::Wide::splat(UNIT));
+        let squared = dot(&[dx, dy, dz], &[dx, dy, dz]);
+        let off = squared.sub(one).abs();
+        if off.le(most) != ALL {
+            let size = off.le_select(most, one, squared.sqrt());
+            (dx, dy, dz) = (dx.div(size), dy.div(size), dz.div(size));
+            under_way &= L::Wide::splat(1e-99).le(squared) & squared.le(L::Wide::splat(1e99));
+        }
         let [x0, y0, z0] = scene.lattice_origin;
-        for lane in 0..LANES {
-            let (x, y) = (origin[0][lane] - x0, origin[1][lane] - y0);
-            from[0][lane] = (x * cos + y * sin) as f32;
-            from[1][lane] = (y * cos - x * sin) as f32;
-            from[2][lane] = (origin[2][lane] - z0) as f32;
-            let (x, y) = (direction[0][lane], direction[1][lane]);
-            along[0][lane] = (x * cos + y * sin) as f32;
-            along[1][lane] = (y * cos - x * sin) as f32;
-            along[2][lane] = direction[2][lane] as f32;
+        let (mut x, mut y) = (ox.sub(L::Wide::splat(x0)), oy.sub(L::Wide::splat(y0)));
+        let z = oz.sub(L::Wide::splat(z0));
+        let (mut along_x, mut along_y) = (dx, dy);
+        let [cos, sin] = scene.lattice_turn;
+        if sin != 0.0 {
+            let (cos, sin) = (L::Wide::splat(cos), L::Wide::splat(sin));
+            (x, y) = (x.mul(cos).add(y.mul(sin)), y.mul(cos).sub(x.mul(sin)));
+            (along_x, along_y) = (dx.mul(cos).add(dy.mul(sin)), dy.mul(cos).sub(dx.mul(sin)));
         }
-        let flat = L::load(&along[0]).abs().add(L::load(&along[1]).abs());
+        let along = [L::narrow(along_x), L::narrow(along_y), L::narrow(dz)];
+        let flat = along[0].abs().add(along[1].abs());
         under_way &= L::bits(L::splat(1.01 * STEEPEST as f32).le(flat));
         let [lo, hi] = scene.zone;
         let reach = lo.iter().chain(&hi).fold(0.0, |reach: f64, c| reach.max(c.abs()));
@@ -173,28 +253,16 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             tables,
             rays,
             under_way,
-            origin,
-            direction,
+            origin: [ox, oy, oz],
+            direction: [dx, dy, dz],
             limit,
-            from,
+            from: [L::narrow(x), L::narrow(y), L::narrow(z)],
             along,
             flat,
-            steep: L::splat(1.0).div(L::load(&along[2])),
+            steep: L::splat(1.0).div(along[2]),
             // Sixteen roundings.
             rounding: (reach * (-20f64).exp2()) as f32,
         }
-    }
-
-    /// The lanes of a mask.
-    #[inline(always)]
-    fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
-        std::iter::from_fn(move || {
-            (mask != 0).then(|| {
-                let lane = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                lane
-            })
-        })
     }
 
     /// A ray by itself.
@@ -205,164 +273,272 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
 
     /// Takes the rays out of their prisms: some of them end there.
     #[inline(always)]
-    fn step<const FIRST: bool, P: Probe>(
-        &mut self,
-        cells: &mut [u32; LANES],
-        answers: &mut Answers,
-        probe: &mut P,
-    ) {
+    fn step<const FIRST: bool, P: Probe>(&mut self, eight: &mut Eight, probe: &mut P) {
         let tables = self.tables;
         let steps = &tables.steps;
-        let lead = cells[self.under_way.trailing_zeros() as usize];
-        let mut is_one = true;
-        for (lane, cell) in cells.iter_mut().enumerate() {
-            if self.under_way >> lane & 1 == 0 {
-                *cell = lead;
+        let lead = eight.cells[self.under_way.trailing_zeros() as usize];
+        if self.under_way != ALL {
+            for (lane, cell) in eight.cells.iter_mut().enumerate() {
+                *cell = if self.under_way >> lane & 1 == 0 { lead } else { *cell };
             }
-            is_one &= *cell == lead;
         }
-        let mut links = [0; LANES];
+        let is_one = eight.cells.iter().fold(0, |differ, cell| differ | (cell ^ lead)) == 0;
         let crossed;
         if is_one {
             let step = &steps[lead as usize];
-            let corner = |k: usize| (L::splat(step.x[k % LANES]), L::splat(step.y[k % LANES]));
             let [floor, ceiling] = step.height;
-            crossed = self.cross::<FIRST>(step.corners.into(), corner, L::splat(floor), L::splat(ceiling));
-            let edges = crossed.edge.store();
-            let mut table = [Step::PARTS; 2 * LANES];
-            table[..LANES].copy_from_slice(&step.next);
-            (table[DOWN], table[UP]) = (step.vertical[0], step.vertical[1]);
-            for lane in 0..LANES {
-                links[lane] = table[edges[lane].to_bits() as usize % (2 * LANES)];
+            let (floor, ceiling) = (L::splat(floor), L::splat(ceiling));
+            crossed = self.cross::<FIRST>(step.corners.into(), &One(step), floor, ceiling);
+            if self.together(step, &crossed, eight, probe) {
+                return;
             }
         } else {
-            let record = |lane: usize| &steps[cells[lane] as usize];
-            let rows = |of: fn(&Step) -> &[f32; LANES]| {
-                let mut rows = [L::splat(0.0); LANES];
-                for (lane, row) in rows.iter_mut().enumerate() {
-                    *row = L::load(of(record(lane)));
-                }
-                L::transpose(rows)
-            };
-            let (x, y) = (rows(|step| &step.x), rows(|step| &step.y));
+            let mut rows = [[L::splat(0.0); LANES]; 2];
             let mut heights = [[0.0; LANES]; 2];
             let mut count = 0;
-            for lane in 0..LANES {
-                let step = record(lane);
+            for (lane, &cell) in eight.cells.iter().enumerate() {
+                let step = &steps[cell as usize];
+                (rows[0][lane], rows[1][lane]) = (L::load(&step.x), L::load(&step.y));
                 (heights[0][lane], heights[1][lane]) = (step.height[0], step.height[1]);
                 count = step.corners.max(count);
             }
-            let corner = |k: usize| (x[k % LANES], y[k % LANES]);
-            crossed = self.cross::<FIRST>(count.into(), corner, L::load(&heights[0]), L::load(&heights[1]));
-            let edges = crossed.edge.store();
-            for lane in 0..LANES {
-                let (step, edge) = (record(lane), edges[lane].to_bits() as usize);
-                links[lane] =
-                    if edge < LANES { step.next[edge] } else { step.vertical[usize::from(edge == UP)] };
+            let own = Own { x: L::transpose(rows[0]), y: L::transpose(rows[1]) };
+            let (floor, ceiling) = (L::load(&heights[0]), L::load(&heights[1]));
+            crossed = self.cross::<FIRST>(count.into(), &own, floor, ceiling);
+        }
+        self.apart::<FIRST, P>(&crossed, is_one, eight, probe);
+    }
+
+    /// Ends the ways of all rays, or takes them all into the next prism, where they leave theirs the same way; whether they do.
+    #[inline(always)]
+    fn together<P: Probe>(
+        &mut self,
+        step: &Step,
+        crossed: &Crossed<L>,
+        eight: &mut Eight,
+        probe: &mut P,
+    ) -> bool {
+        let all = self.under_way;
+        let edges = crossed.edge;
+        let edge = edges.store()[all.trailing_zeros() as usize];
+        if all & !(crossed.known | crossed.through_side) != 0 || edges.differs(edge) & all != 0 {
+            return false;
+        }
+        let edge = edge.to_bits() as usize;
+        let mut link = if edge < LANES { step.next[edge] } else { step.vertical[usize::from(edge == UP)] };
+        if is_split(link) {
+            match self.split_together(link & !Step::SPLIT, crossed) {
+                Some(found) => link = found,
+                None => return false,
+            }
+        } else if all & !crossed.known != 0 {
+            return false;
+        }
+        if link >= Step::AROUND {
+            return false;
+        }
+        if link & Step::PLATE == 0 {
+            let exit = crossed.t.add(crossed.off);
+            // What is met before, or too far, is for others.
+            let is_on = L::bits(exit.le(L::narrow(self.limit))) & all == all
+                && self.touched_one(step.root, exit) == 0;
+            if is_on {
+                eight.cells = [link; LANES];
+            }
+            return is_on;
+        }
+        let source = link & !Step::PLATE;
+        let Some(plate) = self.tables.plates.get(source as usize) else { return false };
+        let [nx, ny, nz] = plate.normal;
+        let normal = [L::Wide::splat(nx), L::Wide::splat(ny), L::Wide::splat(nz)];
+        let toward = dot(&normal, &self.direction);
+        let t = L::Wide::splat(plate.offset).sub(dot(&normal, &self.origin)).div(toward);
+        let sure = L::Wide::splat(GRAZING).le(toward.abs()) & L::Wide::splat(0.0).le(t);
+        if sure & all != all {
+            return false;
+        }
+        let touched = self.touched_one(step.root, L::narrow(t.min(self.limit)));
+        let met = t.store();
+        if t.le(self.limit) == ALL && all == ALL {
+            (eight.t, eight.known) = (met, ALL);
+            (eight.triangle, eight.source) = ([plate.triangle; LANES], [source; LANES]);
+            eight.cell = eight.cells;
+        } else {
+            for lane in lanes(all) {
+                let found = Found { t: met[lane], triangle: plate.triangle };
+                eight.put(lane, &Quick { found, cell: eight.cells[lane], source }, self.rays[lane].tmax);
             }
         }
+        for lane in lanes(touched) {
+            let Some(way) = self.way(lane) else { continue };
+            let found = way.detail(step.root, [0.0, (met[lane] + NEAR).min(way.limit)], probe);
+            if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
+                eight.put(lane, &Quick { found, cell: eight.cells[lane], source: NONE }, way.limit);
+            }
+        }
+        self.under_way = 0;
+        true
+    }
+
+    /// The link of the part of an edge that all rays leave through.
+    #[inline(always)]
+    fn split_together(&self, first: u32, crossed: &Crossed<L>) -> Option<u32> {
+        let ([fx, fy, _], [ax, ay, _]) = (self.from, self.along);
+        let (zero, all) = (L::splat(0.0), self.under_way);
+        let mut rest = self.tables.parts.get(first as usize..)?.iter();
+        let mut part = rest.next()?;
+        let (mut right, mut left) = (crossed.right, crossed.left);
+        while part.last == 0 {
+            let next = rest.next()?;
+            let (x, y) = (L::splat(next.start[0]), L::splat(next.start[1]));
+            let side = ax.mul_sub(y.sub(fy), ay.mul(x.sub(fx)));
+            match L::bits(zero.le(side)) & all {
+                0 => (part, right) = (next, side),
+                bits if bits == all => {
+                    left = side;
+                    break;
+                }
+                _ => return None,
+            }
+        }
+        let least = L::splat(BLURRED as f32 + self.rounding).mul(self.flat);
+        let mut is_clear = L::and(least.le(zero.sub(right)), least.le(left));
+        let mut face = 0;
+        for top in part.top {
+            let over = crossed.height.sub(L::splat(top));
+            is_clear = L::and(is_clear, crossed.blur.le(over.abs()));
+            match L::bits(zero.le(over)) & all {
+                0 => break,
+                bits if bits == all => face += 1,
+                _ => return None,
+            }
+        }
+        (L::bits(is_clear) & all == all).then_some(part.link[face])
+    }
+
+    /// Ends the ways of some rays, and takes the others into the next prisms.
+    #[inline(always)]
+    fn apart<const FIRST: bool, P: Probe>(
+        &mut self,
+        crossed: &Crossed<L>,
+        is_one: bool,
+        eight: &mut Eight,
+        probe: &mut P,
+    ) {
+        let tables = self.tables;
+        let cells = eight.cells;
+        let edges = crossed.edge.store();
+        let [right, left] = [crossed.right.store(), crossed.left.store()];
+        let (height, blur) = (crossed.height.store(), crossed.blur.store());
         // What matters of detail is before this.
         let mut until = crossed.t.add(crossed.off).store();
-        // Where a face ends the way.
+        let mut links = [0; LANES];
+        // Those whose way out was looked for by itself.
+        let mut alone = 0;
         let mut plates = Plates::new();
-        let ends = each([crossed.ends[0], crossed.ends[1], self.flat], L::store);
-        let (height, blur) = (crossed.height.store(), crossed.blur.store());
-        for lane in Self::lanes(self.under_way) {
+        for lane in lanes(self.under_way) {
             let bit = 1 << lane;
-            let mut is_known = crossed.known & bit != 0;
-            if crossed.through_side & bit != 0 && links[lane] & (Step::PLATE | Step::SPLIT) == Step::SPLIT {
-                let sides = each(ends, |sides| sides[lane]);
-                let link = self.split(lane, links[lane] & !Step::SPLIT, sides, height[lane], blur[lane]);
-                is_known = link.is_some();
-                links[lane] = link.unwrap_or(Step::OTHER);
+            let (step, edge) = (&tables.steps[cells[lane] as usize], edges[lane].to_bits() as usize);
+            let mut link = Step::OTHER;
+            if (crossed.known | crossed.through_side) & bit != 0 {
+                link = if edge < LANES { step.next[edge] } else { step.vertical[usize::from(edge == UP)] };
+                if is_split(link) {
+                    let sides = [right[lane], left[lane]];
+                    link = self.split(lane, link & !Step::SPLIT, sides, height[lane], blur[lane]);
+                } else if crossed.known & bit == 0 {
+                    link = Step::OTHER;
+                }
             }
-            if !is_known || links[lane] >= Step::AROUND {
-                let Some(way) = self.way(lane) else {
-                    self.under_way &= !bit;
-                    continue;
-                };
-                let cell = cells[lane];
-                let exit = if !FIRST || (crossed.known | crossed.through_side) & bit != 0 {
-                    way.leave::<L, false>(cell)
+            if link >= Step::AROUND {
+                self.under_way &= !bit;
+                alone |= bit;
+                let Some(way) = self.way(lane) else { continue };
+                let is_within = !FIRST || (crossed.known | crossed.through_side) & bit != 0;
+                let exit = if is_within {
+                    way.leave::<L, false>(cells[lane])
                 } else {
-                    way.leave::<L, true>(cell)
+                    way.leave::<L, true>(cells[lane])
                 };
-                let Some(exit) = exit else {
-                    self.under_way &= !bit;
-                    continue;
-                };
+                let Some(exit) = exit else { continue };
                 if exit.link == Step::AROUND {
-                    self.under_way &= !bit;
-                    if let Some(quick) = way.onward::<L>(cell, exit, probe) {
-                        answers.put(lane, &quick);
+                    if let Some(quick) = way.onward::<L>(cells[lane], exit, probe) {
+                        eight.put(lane, &quick, way.limit);
                     }
                     continue;
                 }
-                links[lane] = exit.link;
+                self.under_way |= bit;
+                link = exit.link;
                 until[lane] = (exit.t + exit.t.abs() * 1e-6 + NEAR) as f32;
             }
-            if links[lane] & Step::PLATE != 0 && !plates.add(tables, lane, links[lane] & !Step::PLATE) {
+            if link & Step::PLATE != 0 && !plates.add(tables, lane, link & !Step::PLATE) {
                 self.under_way &= !bit;
             }
+            links[lane] = link;
         }
-        let mut ends = [f64::INFINITY; LANES];
+        let limits = L::narrow(self.limit);
+        let mut until = L::load(&until).min(limits);
+        let mut t = [f64::INFINITY; LANES];
         if plates.lanes != 0 {
-            let sure = plates.meet(&self.origin, &self.direction, &mut ends);
+            let (sure, met) = plates.meet(&self.origin, &self.direction);
             self.under_way &= sure | !plates.lanes;
-            for lane in 0..LANES {
-                until[lane] = if ends[lane] < f64::INFINITY { ends[lane] as f32 } else { until[lane] };
+            // Where there is no plate the way out counts.
+            let (met, nearest) = (met.store(), L::narrow(met.min(self.limit)).store());
+            let mut ends = until.store();
+            for lane in lanes(plates.lanes) {
+                (t[lane], ends[lane]) = (met[lane], nearest[lane]);
             }
+            until = L::load(&ends);
         }
-        for lane in 0..LANES {
-            until[lane] = until[lane].min(self.limit[lane] as f32);
-        }
-        let touched = if self.under_way == 0 { 0 } else { self.touched(cells, is_one, &until, probe) };
-        for lane in Self::lanes(touched) {
+        let touched = self.touched(&cells, is_one, until, probe);
+        for lane in lanes(touched) {
             let (cell, bit) = (cells[lane], 1 << lane);
             let Some(way) = self.way(lane) else { continue };
-            let end = Found { t: ends[lane], triangle: plates.triangle[lane] };
-            let t = if plates.lanes & bit != 0 {
+            let end = Found { t: t[lane], triangle: plates.triangle[lane] };
+            let leaves = if plates.lanes & bit != 0 {
                 end.t
-            } else {
-                let Some(exit) = way.leave::<L, false>(cell) else {
-                    self.under_way &= !bit;
-                    continue;
-                };
+            } else if alone & bit == 0 {
+                way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize)
+            } else if let Some(exit) = way.leave::<L, false>(cell) {
                 exit.t
+            } else {
+                self.under_way &= !bit;
+                continue;
             };
-            let found = way.detail(way.root(cell), [0.0, (t + NEAR).min(way.limit)], probe);
+            let found = way.detail(way.root(cell), [0.0, (leaves + NEAR).min(way.limit)], probe);
             if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
-                (ends[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
+                (t[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
                 plates.lanes |= bit;
             }
         }
         let ended = plates.lanes & self.under_way;
-        for lane in Self::lanes(ended) {
-            let triangle = if ends[lane] <= self.limit[lane] { plates.triangle[lane] } else { NONE };
-            (answers.t[lane], answers.triangle[lane]) = (ends[lane], triangle);
-            (answers.cell[lane], answers.source[lane]) = (cells[lane], plates.source[lane]);
+        for lane in lanes(ended) {
+            let found = Found { t: t[lane], triangle: plates.triangle[lane] };
+            let quick = Quick { found, cell: cells[lane], source: plates.source[lane] };
+            eight.put(lane, &quick, self.rays[lane].tmax);
         }
-        answers.known |= ended;
         self.under_way &= !ended;
-        *cells = links;
+        // Where cells say that a ray is too far, the triangles may say that it is not yet.
+        let beyond = limits.add(L::splat(tables.scene[0].tolerance as f32)).le(crossed.t.sub(crossed.off));
+        let beyond = L::bits(beyond) & self.under_way & !alone;
+        for lane in lanes(beyond) {
+            let found = Found { t: f64::INFINITY, triangle: NONE };
+            eight.put(lane, &Quick { found, cell: NONE, source: NONE }, 0.0);
+        }
+        self.under_way &= !beyond;
+        eight.cells = links;
     }
 
     /// The part of an edge that a ray leaves through, as `Way::split` has it: where it leads.
     #[inline(always)]
-    fn split(
-        &self,
-        lane: usize,
-        first: u32,
-        [mut right, mut left, flat]: [f32; 3],
-        height: f32,
-        blur: f32,
-    ) -> Option<u32> {
-        let ([fx, fy, _], [ax, ay, _]) =
-            (each(self.from.each_ref(), |v| v[lane]), each(self.along.each_ref(), |v| v[lane]));
-        let mut rest = self.tables.parts.get(first as usize..)?.iter();
-        let mut part = rest.next()?;
+    fn split(&self, lane: usize, first: u32, [mut right, mut left]: [f32; 2], height: f32, blur: f32) -> u32 {
+        let (fx, fy) = (self.from[0].store()[lane], self.from[1].store()[lane]);
+        let (ax, ay) = (self.along[0].store()[lane], self.along[1].store()[lane]);
+        let parts: &[Part] = &self.tables.parts;
+        let mut index = first as usize;
+        let Some(mut part) = parts.get(index) else { return Step::OTHER };
         while part.last == 0 {
-            let next = rest.next()?;
+            index += 1;
+            let Some(next) = parts.get(index) else { return Step::OTHER };
             let side = ax * (next.start[1] - fy) - ay * (next.start[0] - fx);
             if side >= 0.0 {
                 left = side;
@@ -370,23 +546,12 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
             (part, right) = (next, side);
         }
-        let least = (BLURRED as f32 + self.rounding) * flat;
+        let least = (BLURRED as f32 + self.rounding) * (ax.abs() + ay.abs());
         let (over, over_next) = (height - part.top[0], height - part.top[1]);
-        let is_clear = -right >= least && left >= least && over.abs() >= blur && over_next.abs() >= blur;
-        let face = usize::from(over > 0.0) + usize::from(over_next > 0.0);
-        is_clear.then_some(part.link[face])
-    }
-
-    /// The rays that are left, each by itself.
-    #[inline(always)]
-    fn finish<P: Probe>(&self, cells: &[u32; LANES], answers: &mut Answers, probe: &mut P) {
-        for lane in Self::lanes(self.under_way) {
-            if let Some(way) = self.way(lane)
-                && let Some(exit) = way.leave::<L, false>(cells[lane])
-                && let Some(quick) = way.onward::<L>(cells[lane], exit, probe)
-            {
-                answers.put(lane, &quick);
-            }
+        if -right >= least && left >= least && over.abs() >= blur && over_next.abs() >= blur {
+            part.link[usize::from(over > 0.0) + usize::from(over_next > 0.0)]
+        } else {
+            Step::OTHER
         }
     }
 
@@ -395,21 +560,18 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
     fn cross<const FIRST: bool>(
         &self,
         count: usize,
-        corner: impl Fn(usize) -> (L, L),
+        corners: &impl Corners<L>,
         floor: L,
         ceiling: L,
     ) -> Crossed<L> {
         let zero = L::splat(0.0);
-        let [fx, fy, fz] = load(&self.from);
-        let [ax, ay, az]: [L; 3] = load(&self.along);
+        let [fx, fy, fz] = self.from;
+        let [ax, ay, az] = self.along;
         let rounding = L::splat(self.rounding);
         let margin = L::splat(BLURRED as f32 + self.rounding);
-        let at = |k: usize| {
-            let (x, y) = corner(k);
-            let (dx, dy) = (x.sub(fx), y.sub(fy));
-            (dx, dy, ax.mul_sub(dy, ay.mul(dx)))
-        };
-        let (mut dx, mut dy, mut side) = at(0);
+        let (x, y) = corners.at(0);
+        let (mut dx, mut dy) = (x.sub(fx), y.sub(fy));
+        let mut side = ax.mul_sub(dy, ay.mul(dx));
         let mut is_left = zero.le(side);
         let mut inside = is_left;
         if FIRST {
@@ -418,7 +580,9 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         let (mut edge, mut right, mut left) = (zero, zero, zero);
         let (mut from_x, mut from_y, mut to_x, mut to_y) = (zero, zero, zero, zero);
         for k in 0..count {
-            let (next_x, next_y, next) = at(k + 1);
+            let (x, y) = corners.at(k + 1);
+            let (next_x, next_y) = (x.sub(fx), y.sub(fy));
+            let next = ax.mul_sub(next_y, ay.mul(next_x));
             let is_next_left = zero.le(next);
             let here = L::and_not(is_left, is_next_left);
             edge = L::select(here, L::splat(f32::from_bits(k as u32)), edge);
@@ -459,76 +623,73 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             let tilt = self.steep.abs().add(L::splat(2.0));
             let margin = rounding.mul_add(tilt, L::splat(1.5 * BLURRED as f32));
             let mut inside = vertical;
-            let at = |k: usize| {
-                let (x, y) = corner(k);
-                (x.sub(fx).sub(px), y.sub(fy).sub(py))
-            };
-            let (mut dx, mut dy) = at(0);
+            let (x, y) = corners.at(0);
+            let (mut dx, mut dy) = (x.sub(fx).sub(px), y.sub(fy).sub(py));
             for k in 0..count {
-                let (next_x, next_y) = at(k + 1);
+                let (x, y) = corners.at(k + 1);
+                let (next_x, next_y) = (x.sub(fx).sub(px), y.sub(fy).sub(py));
                 let (ex, ey) = (next_x.sub(dx), next_y.sub(dy));
                 let inward = ey.mul_sub(dx, ex.mul(dy));
                 inside = L::and(inside, margin.mul(ex.abs().add(ey.abs())).le(inward));
                 (dx, dy) = (next_x, next_y);
             }
             known |= L::bits(inside);
-            let number = |number: usize| L::splat(f32::from_bits(number as u32));
-            edge = L::select(vertical, L::select(down, number(DOWN), number(UP)), edge);
+            let floor = L::splat(f32::from_bits(DOWN as u32));
+            let ceiling = L::splat(f32::from_bits(UP as u32));
+            edge = L::select(vertical, L::select(down, floor, ceiling), edge);
             t = L::select(vertical, steeply, t);
             off = L::select(vertical, rounding.mul(tilt), off);
         }
-        Crossed { known, through_side, ends: [right, left], height, blur, edge, t, off }
+        Crossed { known, through_side, right, left, height, blur, edge, t, off }
     }
 
     /// The rays that come to a box of the detail of their cells before `until`.
     #[inline(always)]
-    fn touched<P: Probe>(
-        &self,
-        cells: &[u32; LANES],
-        is_one: bool,
-        until: &[f32; LANES],
-        probe: &mut P,
-    ) -> u32 {
+    fn touched<P: Probe>(&self, cells: &[u32; LANES], is_one: bool, until: L, probe: &mut P) -> u32 {
         let tables = self.tables;
-        let root = |lane: usize| {
-            let step = &tables.steps[cells[lane] as usize];
-            if step.is_some() { step.root } else { tables.cells[cells[lane] as usize].root }
-        };
         if is_one {
-            return match root(0) {
-                NONE => 0,
-                root if root & BLOCK_BIT != 0 => self.under_way,
-                root => self.under_way & self.touched_boxes(&tables.nodes[root as usize], until),
-            };
+            let step = &tables.steps[cells[0] as usize];
+            let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
+            return self.touched_one(root, until);
         }
+        let until = until.store();
         let mut touched = 0;
-        for lane in Self::lanes(self.under_way) {
-            let root = root(lane);
-            let is_touched = root != NONE
-                && (root & BLOCK_BIT != 0
-                    || self.way(lane).is_some_and(|way| {
-                        way.touches::<L>(root, f64::from(until[lane]) * (1.0 + 1e-6) + NEAR, probe)
-                    }));
+        for lane in lanes(self.under_way) {
+            let step = &tables.steps[cells[lane] as usize];
+            let root = if step.is_some() { step.root } else { tables.cells[cells[lane] as usize].root };
+            if root == NONE {
+                continue;
+            }
+            let until = f64::from(until[lane]) * (1.0 + 1e-6) + NEAR;
+            let is_touched = root & BLOCK_BIT != 0
+                || self.way(lane).is_some_and(|way| way.touches::<L>(root, until, probe));
             touched |= u32::from(is_touched) << lane;
         }
         touched
     }
 
+    /// The same where that of all is one.
+    #[inline(always)]
+    fn touched_one(&self, root: u32, until: L) -> u32 {
+        match root {
+            NONE => 0,
+            root if root & BLOCK_BIT != 0 => self.under_way,
+            root => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
+        }
+    }
+
     /// The rays that come to any of a node's boxes before `until`.
     #[inline(always)]
-    fn touched_boxes(&self, node: &NodeRecord, until: &[f32; LANES]) -> u32 {
+    fn touched_boxes(&self, node: &NodeRecord, until: L) -> u32 {
         let scene = &self.tables.scene[0];
-        let (mut local, mut toward) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        let (one, least) = (L::splat(1.0), L::splat(LEAST));
+        let (mut local, mut inverse) = ([one; 3], [one; 3]);
         for axis in 0..3 {
-            for lane in 0..LANES {
-                local[axis][lane] = (self.origin[axis][lane] - scene.center[axis]) as f32;
-                toward[axis][lane] = self.direction[axis][lane] as f32;
-            }
+            local[axis] = L::narrow(self.origin[axis].sub(L::Wide::splat(scene.center[axis])));
+            let toward = L::narrow(self.direction[axis]);
+            inverse[axis] = one.div(toward.abs().max(least).flip(toward));
         }
-        let local = load::<L>(&local);
-        let inverse = each(load::<L>(&toward), |d| L::splat(1.0).div(d.abs().max(L::splat(LEAST)).flip(d)));
         let slack = L::splat(scene.slack);
-        let until = L::load(until);
         let until = until.mul_add(L::splat(2e-6), until).add(slack);
         let mut touched = 0;
         for child in 0..LANES {
@@ -549,46 +710,12 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
     }
 }
 
-/// Makes directions unit that are not, as `Way::new` does; which of them it can.
-#[inline(always)]
-fn unit(direction: &mut [Each; 3]) -> u32 {
-    let (mut squared, mut is_unit) = ([0.0; LANES], true);
-    for lane in 0..LANES {
-        let [x, y, z] = each([0, 1, 2], |axis: usize| direction[axis][lane]);
-        squared[lane] = x * x + y * y + z * z;
-        is_unit &= (squared[lane] - 1.0).abs() <= UNIT;
-    }
-    if is_unit {
-        return u32::MAX;
-    }
-    let (mut size, mut can) = ([1.0; LANES], 0);
-    for lane in 0..LANES {
-        let root = squared[lane].sqrt();
-        size[lane] = if (squared[lane] - 1.0).abs() <= UNIT { 1.0 } else { root };
-    }
-    for (lane, &squared) in squared.iter().enumerate() {
-        can |= u32::from(squared > 1e-100 && squared < 1e100) << lane;
-    }
-    for axis in direction {
-        for lane in 0..LANES {
-            axis[lane] /= size[lane];
-        }
-    }
-    can
-}
-
-/// Three components of each ray.
-#[inline(always)]
-fn load<L: Lanes>(v: &[[f32; LANES]; 3]) -> [L; 3] {
-    [L::load(&v[0]), L::load(&v[1]), L::load(&v[2])]
-}
-
 /// The planes behind faces that end the ways of some rays.
 struct Plates {
     /// Of which.
     lanes: u32,
-    normal: [Each; 3],
-    offset: Each,
+    normal: [[f64; LANES]; 3],
+    offset: [f64; LANES],
     triangle: [u32; LANES],
     source: [u32; LANES],
 }
@@ -618,23 +745,12 @@ impl Plates {
         true
     }
 
-    /// Where the rays meet them, and whether that is in no doubt: as `Way::plate` has it.
+    /// Where the rays meet them, and where that is in no doubt: as `Way::plate` has it. Elsewhere NaN or infinite.
     #[inline(always)]
-    fn meet(&self, origin: &[Each; 3], direction: &[Each; 3], ends: &mut Each) -> u32 {
-        let mut sure = [false; LANES];
-        for lane in 0..LANES {
-            let [n, o, d] =
-                [&self.normal, origin, direction].map(|v| DVec3::new(v[0][lane], v[1][lane], v[2][lane]));
-            let toward = n.dot(d);
-            let t = (self.offset[lane] - n.dot(o)) / toward;
-            sure[lane] = toward.abs() >= GRAZING && t >= 0.0;
-            // Of others NaN: no plane.
-            ends[lane] = if sure[lane] { t } else { f64::INFINITY };
-        }
-        let mut bits = 0;
-        for (lane, &sure) in sure.iter().enumerate() {
-            bits |= u32::from(sure) << lane;
-        }
-        bits
+    fn meet<W: Wide>(&self, origin: &[W; 3], direction: &[W; 3]) -> (u32, W) {
+        let normal = [W::load(&self.normal[0]), W::load(&self.normal[1]), W::load(&self.normal[2])];
+        let toward = dot(&normal, direction);
+        let t = W::load(&self.offset).sub(dot(&normal, origin)).div(toward);
+        (W::splat(GRAZING).le(toward.abs()) & W::splat(0.0).le(t), t)
     }
 }

@@ -29,7 +29,7 @@ pub(super) const UNIT: f64 = 1e-14;
 pub(super) const STEEPEST: f64 = 1e-3;
 
 /// Lattices with fewer steps in a metre than 2 to this power reach too far for f32.
-const COARSEST: u32 = 15;
+pub(super) const COARSEST: u32 = 15;
 
 /// Where a ray runs at a plane more along it than this, its sine, rounding moves what it meets too far.
 pub(super) const GRAZING: f64 = 1.0 / 64.0;
@@ -118,10 +118,20 @@ impl<'a> Way<'a> {
         if !(flat >= STEEPEST) {
             return None;
         }
+        Some(Way::of(tables, [origin, direction], [from, along], ray.tmax))
+    }
+
+    /// A ray, and the same along the lattice's axes.
+    #[inline(always)]
+    pub(super) fn of(
+        tables: &'a Views,
+        [origin, direction]: [DVec3; 2],
+        [from, along]: [DVec3; 2],
+        limit: f64,
+    ) -> Self {
         let moment = along.y * from.x - along.x * from.y;
-        let steep = 1.0 / along.z;
-        let blurred = BLURRED * flat;
-        Some(Way { tables, origin, direction, limit: ray.tmax, from, along, steep, moment, blurred })
+        let blurred = BLURRED * (along.x.abs() + along.y.abs());
+        Way { tables, origin, direction, limit, from, along, steep: 1.0 / along.z, moment, blurred }
     }
 
     #[inline(always)]
@@ -341,6 +351,18 @@ impl<'a> Way<'a> {
             Step::PARTS => self.cover(cell, vertical == 0, t, at, self.along.z),
             link => Some(Exit { t, link }),
         }
+    }
+
+    /// Where the ray passes an edge of a simple prism, or its floor or its ceiling: as `leave` has it.
+    #[inline(always)]
+    pub(super) fn passes(&self, step: &Step, edge_: usize) -> f64 {
+        if edge_ >= LANES {
+            return (f64::from(step.height[edge_ - LANES]) - self.from.z) * self.steep;
+        }
+        let next = (edge_ + 1) % LANES;
+        let (a, b) = ([step.x[edge_], step.y[edge_]], [step.x[next], step.y[next]]);
+        let per = 1.0 / (self.side(b) - self.side(a));
+        self.crossing(a, edge(a, b)) * per
     }
 
     /// The part of an edge that the ray leaves through, and the face of that, of those from the `first` on.
