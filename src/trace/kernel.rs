@@ -98,6 +98,8 @@ impl Kernel {
 
 /// What runs the walks through hierarchies, and hears of the other steps of a ray.
 pub(super) trait Probe {
+    /// Whether any hit will do.
+    const ANY: bool;
     /// The nearest hit.
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
     /// The nearest hit, or some hit for who wants to know only whether there is one.
@@ -116,6 +118,8 @@ pub(super) trait Probe {
 pub(super) struct Plain<const ANY: bool>(pub(super) Kernel);
 
 impl<const ANY: bool> Probe for Plain<ANY> {
+    const ANY: bool = ANY;
+
     #[inline]
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
         self.0.run::<false>(tables, query)
@@ -128,6 +132,8 @@ impl<const ANY: bool> Probe for Plain<ANY> {
 
 /// The portable kernel, whose steps are those of all, counted.
 impl Probe for Cost {
+    const ANY: bool = false;
+
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
         walk::<Portable, false>(tables, query, self)
     }

@@ -65,6 +65,8 @@ pub(crate) trait Wide: Copy {
     fn abs(self) -> Self;
     /// `other` where it is less or a lane is NaN.
     fn min(self, other: Self) -> Self;
+    /// `other` where it is greater or a lane is NaN.
+    fn max(self, other: Self) -> Self;
     /// Lane i is bit i: whether `self <= other`.
     fn le(self, other: Self) -> u32;
     /// Where `self <= other` one, else another.
@@ -147,6 +149,10 @@ impl Wide for PortableWide {
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
     fn le(self, other: Self) -> u32 {

@@ -6,6 +6,7 @@ mod batch;
 mod begin;
 mod cells;
 mod cost;
+mod herd;
 mod kernel;
 mod lanes;
 mod locate;

@@ -8,13 +8,14 @@
 //! by itself. No closure has lanes in it: not all of them are inlined, and what is not has no registers for them.
 
 use super::NONE;
+use super::herd::{Herd, Nearest, together};
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
 use super::path::{BLURRED, NEAR};
 use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
 use super::ray::{Brief, Ray};
 use super::step::{Part, Step};
-use super::walk::{Found, LEAST};
+use super::walk::{Found, LEAST, Walk};
 use crate::format::Views;
 use crate::format::records::{BLOCK_BIT, LANES, NodeRecord};
 
@@ -369,6 +370,18 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
                 eight.put(lane, &Quick { found, cell: eight.cells[lane], source }, self.rays[lane].tmax);
             }
         }
+        if touched.count_ones() > FEW {
+            let found = self.detail::<P>(touched, step.root, t);
+            for lane in lanes(touched) {
+                let found = Found { t: found.t[lane], triangle: found.triangle[lane] };
+                if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
+                    let quick = Quick { found, cell: eight.cells[lane], source: NONE };
+                    eight.put(lane, &quick, self.rays[lane].tmax);
+                }
+            }
+            self.under_way = 0;
+            return true;
+        }
         for lane in lanes(touched) {
             let Some(way) = self.way(lane) else { continue };
             let found = way.detail(step.root, [0.0, (met[lane] + NEAR).min(way.limit)], probe);
@@ -378,6 +391,18 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         }
         self.under_way = 0;
         true
+    }
+
+    /// What some rays meet of detail before `t`.
+    #[inline(always)]
+    fn detail<P: Probe>(&self, rays: u32, root: u32, t: L::Wide) -> Nearest {
+        let herd = Herd::<L> { origin: self.origin, direction: self.direction };
+        let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
+        if P::ANY {
+            together::<L, true>(&Walk::new(self.tables), &herd, rays, root, until)
+        } else {
+            together::<L, false>(&Walk::new(self.tables), &herd, rays, root, until)
+        }
     }
 
     /// The link of the part of an edge that all rays leave through.

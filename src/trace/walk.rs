@@ -20,7 +20,7 @@ use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level of any hierarchy: a file's, under the node that
 /// `closing` puts over it.
-const STACK: usize = (MAX_DEPTH as usize + 1) * (LANES - 1) + 1;
+pub(super) const STACK: usize = (MAX_DEPTH as usize + 1) * (LANES - 1) + 1;
 
 /// Least size of a direction's component in the box test: smaller ones move a ray by less than the slack.
 pub(super) const LEAST: f32 = 1e-9;
@@ -39,12 +39,12 @@ pub(super) fn inverse(direction: [f32; 3]) -> [f32; 3] {
 
 /// The tables that a walk reads.
 pub(super) struct Walk<'a> {
-    nodes: &'a [NodeRecord],
-    blocks: &'a [BlockRecord],
+    pub(super) nodes: &'a [NodeRecord],
+    pub(super) blocks: &'a [BlockRecord],
     triangles: &'a [TriangleRecord],
     vertices: &'a [[f64; 3]],
     volumes: &'a [VolumeRecord],
-    scene: &'a SceneRecord,
+    pub(super) scene: &'a SceneRecord,
 }
 
 impl<'a> Walk<'a> {
@@ -492,13 +492,13 @@ struct Candidates<L> {
 
 /// As near as anything is told apart, for each metre of coordinates: 1e-11 m at 100 m. The distance of a side from the ray
 /// is off by some roundings of the coordinates, 2^-50 of them, so that hardly any answer hangs on those.
-const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
+pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
 
 /// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
 const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
 
 /// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
-const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;
+pub(super) const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;
 
 #[inline(always)]
 fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
