@@ -2,14 +2,23 @@
 
 use super::kernel::Kernel;
 use super::packet::Eight;
-use super::quick::Quick;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::{Start, Want};
 use crate::format::records::{CellRecord, LANES};
 use crate::scene::Scene;
 
-/// Rays that one task takes at a time.
-const CHUNK: usize = 1024;
+/// Rays that one task takes at a time: of those that come in the order of their starts, and of others.
+const IN_ORDER: usize = 1 << 10;
+const SCATTERED: std::ops::RangeInclusive<usize> = 1 << 13..=1 << 18;
+
+/// Rays are in order if at most one of so many starts elsewhere than the one before.
+const RUN: usize = 4;
+
+/// So many pairs of rays are looked at to tell.
+const LOOKS: usize = 256;
+
+/// Rays are put in the order of at most so many places.
+const PLACES: usize = 1 << 17;
 
 /// From where the rays of a batch start, if the caller knows: then nothing is looked up.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +40,16 @@ impl<'a> Starts<'a> {
         }
     }
 
+    /// The cell of one of the rays, or none.
+    #[inline(always)]
+    fn cell(self, index: usize) -> u32 {
+        match self {
+            Starts::Anywhere => NONE,
+            Starts::Cell(cell) => cell,
+            Starts::Cells(cells) => cells[index],
+        }
+    }
+
     /// Those of some of the rays.
     fn part(self, first: usize, count: usize) -> Starts<'a> {
         match self {
@@ -40,29 +59,52 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// Calls `each` with the slices' chunks, on all threads of the current rayon pool.
-fn for_each_chunk<A: Send>(
+/// Calls `each` with blocks of so many items of the slices, on all threads of the current rayon pool.
+fn for_each_block<A: Send>(
     rays: &[Ray],
     starts: Starts<'_>,
     answers: &mut [A],
+    size: usize,
     each: impl Fn(&[Ray], Starts<'_>, &mut [A]) + Sync,
 ) {
-    assert_eq!(rays.len(), answers.len(), "as many answers as rays");
-    if let Starts::Cells(cells) = starts {
-        assert_eq!(rays.len(), cells.len(), "as many cells as rays");
-    }
-    let chunks = |(index, (rays, answers)): (usize, (&[Ray], &mut [A]))| {
-        each(rays, starts.part(index * CHUNK, rays.len()), answers)
+    let block = |(index, (rays, answers)): (usize, (&[Ray], &mut [A]))| {
+        each(rays, starts.part(index * size, rays.len()), answers)
     };
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        if rays.len() > CHUNK {
-            rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK)).enumerate().for_each(chunks);
+        if rays.len() > size {
+            rays.par_chunks(size).zip(answers.par_chunks_mut(size)).enumerate().for_each(block);
             return;
         }
     }
-    rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK)).enumerate().for_each(chunks);
+    rays.chunks(size).zip(answers.chunks_mut(size)).enumerate().for_each(block);
+}
+
+/// Of how many threads the work is.
+fn threads() -> usize {
+    #[cfg(feature = "rayon")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "rayon"))]
+    1
+}
+
+/// The places of things in the order of their keys, each less than `keys`; of equal ones as they are.
+fn places_of(of: &[u32], keys: usize) -> Vec<u32> {
+    let mut starts = vec![0u32; keys + 1];
+    for &key in of {
+        starts[key as usize + 1] += 1;
+    }
+    for key in 0..keys {
+        starts[key + 1] += starts[key];
+    }
+    let mut order = vec![0; of.len()];
+    for (&key, to) in of.iter().zip(&mut order) {
+        let place = &mut starts[key as usize];
+        *to = *place;
+        *place += 1;
+    }
+    order
 }
 
 impl Scene {
@@ -88,14 +130,16 @@ impl Scene {
     }
 
     fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
-        for_each_chunk(rays, starts, hits, |rays, starts, hits| {
-            self.quick_many::<false>(self.kernel, starts, rays, |index, quick| {
-                hits[index] = match quick {
-                    Some(quick) => self.describe_quick(&rays[index], &quick, want),
-                    None => self.trace_from(starts.of(index), &rays[index], want),
-                };
-            });
-        });
+        self.many::<false, _>(
+            self.kernel,
+            starts,
+            rays,
+            hits,
+            |index, lane, eight, rays, starts| match eight.get(lane) {
+                Some(quick) => self.describe_quick(&rays[index], &quick, want),
+                None => self.trace_from(starts.of(index), &rays[index], want),
+            },
+        );
     }
 
     /// What each ray meets first, in brief: what [`Scene::trace_brief`] answers, as [`Scene::trace_many`].
@@ -117,16 +161,12 @@ impl Scene {
         rays: &[Ray],
         briefs: &mut [Brief],
     ) {
-        for_each_chunk(rays, starts, briefs, |rays, starts, briefs| {
-            self.eights::<false>(kernel, starts, rays, |first, count, eight| {
-                for lane in 0..count {
-                    briefs[first + lane] = eight.brief(lane);
-                }
-                for lane in (0..count).filter(|lane| eight.known >> lane & 1 == 0) {
-                    let index = first + lane;
-                    briefs[index] = self.trace_brief_with(kernel, starts.of(index), &rays[index]);
-                }
-            });
+        self.many::<false, _>(kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
+            if eight.known >> lane & 1 != 0 {
+                eight.brief(lane)
+            } else {
+                self.trace_brief_with(kernel, starts.of(index), &rays[index])
+            }
         });
     }
 
@@ -135,70 +175,137 @@ impl Scene {
     /// # Panics
     /// If the slices differ in length.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        for_each_chunk(rays, Starts::Anywhere, occluded, |rays, starts, occluded| {
-            self.quick_many::<true>(self.kernel, starts, rays, |index, quick| {
-                occluded[index] = match quick {
-                    Some(quick) => quick.found.triangle != NONE,
-                    None => self.occluded(&rays[index]),
-                };
-            });
+        let starts = Starts::Anywhere;
+        self.many::<true, _>(self.kernel, starts, rays, occluded, |index, lane, eight, rays, _| match eight
+            .get(lane)
+        {
+            Some(quick) => quick.found.triangle != NONE,
+            None => self.occluded(&rays[index]),
         });
     }
 
-    /// Tells what each ray meets that is in no doubt.
-    fn quick_many<const ANY: bool>(
+    /// Answers all rays, eight at a time: `answer` hears the number of a ray in its block, its lane, and the block.
+    fn many<const ANY: bool, A: Send>(
         &self,
         kernel: Kernel,
         starts: Starts<'_>,
         rays: &[Ray],
-        mut tell: impl FnMut(usize, Option<Quick>),
+        answers: &mut [A],
+        answer: impl Fn(usize, usize, &Eight, &[Ray], Starts<'_>) -> A + Sync,
     ) {
-        self.eights::<ANY>(kernel, starts, rays, |first, count, eight| {
-            for lane in 0..count {
-                tell(first + lane, eight.get(lane));
+        assert_eq!(rays.len(), answers.len(), "as many answers as rays");
+        if let Starts::Cells(cells) = starts {
+            assert_eq!(rays.len(), cells.len(), "as many cells as rays");
+        }
+        if !is_scattered(starts, rays) {
+            for_each_block(rays, starts, answers, IN_ORDER, |rays, starts, answers| {
+                self.eights::<ANY>(
+                    kernel,
+                    |index| starts.cell(index),
+                    rays,
+                    |index, lane, eight| {
+                        answers[index] = answer(index, lane, eight, rays, starts);
+                    },
+                );
+            });
+            return;
+        }
+        let size = (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end());
+        for_each_block(rays, starts, answers, size, |rays, starts, answers| {
+            let order = self.order(starts, rays);
+            // Written in any order, and read one after the other: the other way around each would be waited for.
+            let mut sorted = vec![Ray::new([0.0; 3], [0.0; 3]); rays.len()];
+            let mut numbers = vec![(0u32, NONE); rays.len()];
+            for (index, (ray, &place)) in rays.iter().zip(&order).enumerate() {
+                sorted[place as usize] = *ray;
+                numbers[place as usize] = (index as u32, starts.cell(index));
             }
+            self.eights::<ANY>(
+                kernel,
+                |index| numbers[index].1,
+                &sorted,
+                |index, lane, eight| {
+                    let number = numbers[index].0 as usize;
+                    answers[number] = answer(number, lane, eight, rays, starts);
+                },
+            );
         });
     }
 
-    /// Tells what rays meet that is in no doubt, eight at a time: from the first of them on.
+    /// The rays in the order of the places at which they start.
+    fn order(&self, starts: Starts<'_>, rays: &[Ray]) -> Vec<u32> {
+        let count = match starts {
+            Starts::Cells(_) => self.tables.cells.len(),
+            _ => self.tables.cellgrid.len(),
+        };
+        let mut shift = 0;
+        while count >> shift > PLACES {
+            shift += 1;
+        }
+        let places = (count >> shift) + 2;
+        let key = |place: usize| (place >> shift).min(places - 1) as u32;
+        let keys: Vec<u32> = match starts {
+            Starts::Cells(cells) => cells.iter().map(|&cell| key(cell as usize)).collect(),
+            _ => rays.iter().map(|ray| key(self.cube(ray.origin).unwrap_or(usize::MAX))).collect(),
+        };
+        places_of(&keys, places)
+    }
+
+    /// Looks at rays eight at a time; tells a ray's number, its lane, and what they meet that is in no doubt.
     fn eights<const ANY: bool>(
         &self,
         kernel: Kernel,
-        starts: Starts<'_>,
+        start: impl Fn(usize) -> u32,
         rays: &[Ray],
         mut tell: impl FnMut(usize, usize, &Eight),
     ) {
-        // Rays of a camera or of a scanner start at the same point, one after the other.
-        let mut last = ([f64::NAN; 3], NONE);
-        let mut locate = |origin: [f64; 3]| {
-            if last.0 != origin {
-                last = (origin, self.free_cell(origin).unwrap_or(NONE));
-            }
-            last.1
-        };
-        let is_air = |cell: u32| {
-            let cell = self.tables.cells.get(cell as usize);
-            cell.is_some_and(|cell| cell.kind == CellRecord::AIR)
-        };
+        // Where the ray before started.
+        let (mut known, mut last) = (NONE, ([f64::NAN; 3], NONE));
         let mut eight = Eight::NONE;
-        let mut known = NONE;
         for (group, rays) in rays.chunks(LANES).enumerate() {
             let first = group * LANES;
             let mut lanes = [&rays[0]; LANES];
             for (lane, ray) in rays.iter().enumerate() {
                 lanes[lane] = ray;
-                let cell = match starts {
-                    Starts::Anywhere => NONE,
-                    Starts::Cell(cell) => cell,
-                    Starts::Cells(cells) => cells[first + lane],
-                };
-                if cell != known && is_air(cell) {
-                    known = cell;
+                let cell = start(first + lane);
+                if cell != known {
+                    let kind = self.tables.cells.get(cell as usize).map(|cell| cell.kind);
+                    known = if kind == Some(CellRecord::AIR) { cell } else { NONE };
                 }
-                eight.cells[lane] = if cell == known && cell != NONE { cell } else { locate(ray.origin) };
+                if known == NONE && last.0 != ray.origin {
+                    last = (ray.origin, self.free_cell_near(ray.origin, last.1).unwrap_or(NONE));
+                }
+                eight.cells[lane] = if known == NONE { last.1 } else { known };
             }
             kernel.packet::<ANY>(&self.tables, &lanes, rays.len(), &mut eight);
-            tell(first, rays.len(), &eight);
+            for lane in 0..rays.len() {
+                tell(first + lane, lane, &eight);
+            }
         }
+    }
+}
+
+/// Whether rays that follow each other start in different places.
+fn is_scattered(starts: Starts<'_>, rays: &[Ray]) -> bool {
+    if rays.len() <= *SCATTERED.start() {
+        return false;
+    }
+    let differs = |index: usize| match starts {
+        Starts::Anywhere => rays[index].origin != rays[index + 1].origin,
+        Starts::Cell(_) => false,
+        Starts::Cells(cells) => cells[index] != cells[index + 1],
+    };
+    let step = (rays.len() - 1) / LOOKS;
+    (0..LOOKS).filter(|look| differs(look * step)).count() * RUN > LOOKS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_come_in_order_and_equal_ones_stay_as_they_are() {
+        assert_eq!(places_of(&[3, 0, 3, 1, 0], 4), [3, 0, 4, 2, 1]);
+        assert_eq!(places_of(&[], 1), [0u32; 0]);
     }
 }

@@ -74,6 +74,21 @@ impl Scene {
         free(&self.tables, point)
     }
 
+    /// The cube of the grid over the prisms that holds a point, if it is in their zone.
+    #[inline]
+    pub(super) fn cube(&self, point: [f64; 3]) -> Option<usize> {
+        cube(&self.tables, local(&self.tables, point))
+    }
+
+    /// The same; the cell is perhaps `hint`.
+    #[inline]
+    pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
+        let is_there = (hint as usize) < self.tables.steps.len()
+            && point.iter().all(|c| c.is_finite())
+            && holds_free(&self.tables, hint, local(&self.tables, point));
+        if is_there { Some(hint) } else { free(&self.tables, point) }
+    }
+
     /// The smallest room that holds `point`.
     pub(crate) fn room_at(&self, point: [f64; 3]) -> Option<u32> {
         best(&self.tables, point, |volume| volume.room != NONE).map(|volume| volume.room)
@@ -93,12 +108,17 @@ impl Scene {
     }
 }
 
-/// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the
-/// point too.
-#[inline]
-fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
+/// A point of the internal frame along the lattice's axes from its origin.
+#[inline(always)]
+fn local(tables: &Views, point: [f64; 3]) -> [f64; 3] {
     let scene = &tables.scene[0];
-    let [x, y, z] = to_lattice(point, scene.lattice_origin, scene.lattice_turn);
+    to_lattice(point, scene.lattice_origin, scene.lattice_turn)
+}
+
+/// The cube of the grid over the prisms that holds a point (from the lattice's origin).
+#[inline(always)]
+fn cube(tables: &Views, [x, y, z]: [f64; 3]) -> Option<usize> {
+    let scene = &tables.scene[0];
     let mut index = 0usize;
     for (axis, c) in [(2, z), (1, y), (0, x)] {
         let [lo, hi] = [scene.zone[0][axis], scene.zone[1][axis]];
@@ -110,33 +130,46 @@ fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
         // A point on the zone's upper side belongs to the last cube.
         index = index * cubes + (((c - lo) / scene.grid_step[axis]) as usize).min(cubes.saturating_sub(1));
     }
+    Some(index)
+}
+
+/// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the
+/// point too.
+#[inline]
+fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
+    let [x, y, z] = local(tables, point);
+    let index = cube(tables, [x, y, z])?;
     let (start, end) = (*tables.cellgrid.get(index)?, *tables.cellgrid.get(index + 1)?);
-    let holds = |&&cell: &&u32| {
-        let step = &tables.steps[cell as usize];
-        let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
-        if step.flags != CellRecord::FREE || !step.is_some() {
-            let record = &tables.cells[cell as usize];
-            return !step.is_some()
-                && record.flags == CellRecord::FREE
-                && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
-        }
-        if z < floor + BLURRED || z > ceiling - BLURRED {
+    let listed = &tables.gridcells[start as usize..end as usize];
+    listed.iter().copied().find(|&cell| holds_free(tables, cell, [x, y, z]))
+}
+
+/// Whether a prism of air holds a point (from the lattice's origin) as `free` has it.
+#[inline]
+fn holds_free(tables: &Views, cell: u32, [x, y, z]: [f64; 3]) -> bool {
+    let step = &tables.steps[cell as usize];
+    let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
+    if step.flags != CellRecord::FREE || !step.is_some() {
+        let record = &tables.cells[cell as usize];
+        return !step.is_some()
+            && record.flags == CellRecord::FREE
+            && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
+    }
+    if z < floor + BLURRED || z > ceiling - BLURRED {
+        return false;
+    }
+    let is_sloped = floor.is_nan() || ceiling.is_nan();
+    let mut a = [f64::from(step.x[LANES - 1]), f64::from(step.y[LANES - 1])];
+    for lane in 0..LANES {
+        let b = [f64::from(step.x[lane]), f64::from(step.y[lane])];
+        let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+        if ex * (y - a[1]) - ey * (x - a[0]) < BLURRED * (ex.abs() + ey.abs()) {
             return false;
         }
-        let is_sloped = floor.is_nan() || ceiling.is_nan();
-        let mut a = [f64::from(step.x[LANES - 1]), f64::from(step.y[LANES - 1])];
-        for lane in 0..LANES {
-            let b = [f64::from(step.x[lane]), f64::from(step.y[lane])];
-            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-            if ex * (y - a[1]) - ey * (x - a[0]) < BLURRED * (ex.abs() + ey.abs()) {
-                return false;
-            }
-            a = b;
-        }
-        let at = DVec3::new(x, y, z);
-        !is_sloped || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], at, -BLURRED)
-    };
-    tables.gridcells[start as usize..end as usize].iter().find(holds).copied()
+        a = b;
+    }
+    let at = DVec3::new(x, y, z);
+    !is_sloped || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], at, -BLURRED)
 }
 
 fn smallest(tables: &Views, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {
