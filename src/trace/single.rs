@@ -91,12 +91,13 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        if let Some(cell) = self.quick_start(start, ray)
+        let cell = self.quick_start(start, ray);
+        if let Some(cell) = cell
             && let Some(quick) = kernel.quick::<false>(&self.tables, ray, cell)
         {
             return self.describe_quick(ray, &quick, want);
         }
-        self.answer(start, ray, want, &mut Plain::<false>(kernel))
+        self.answer(known(start, ray, cell), ray, want, &mut Plain::<false>(kernel))
     }
 
     /// What the ray meets first, in brief: the fastest way to ask.
@@ -118,15 +119,16 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        if let Some(cell) = self.quick_start(start, ray)
-            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, cell)
+        let place = self.quick_start(start, ray);
+        if let Some(place) = place
+            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, place)
         {
             if found.triangle == NONE {
                 return Brief::ESCAPED;
             }
             return Brief { t: found.t, triangle: found.triangle, cell };
         }
-        let hit = self.answer(start, ray, Want::LEAST, &mut Plain::<false>(kernel));
+        let hit = self.answer(known(start, ray, place), ray, Want::LEAST, &mut Plain::<false>(kernel));
         Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
     }
 
@@ -186,13 +188,14 @@ impl Scene {
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
-        if let Some(cell) = self.quick_start(start, ray)
+        let cell = self.quick_start(start, ray);
+        if let Some(cell) = cell
             && let Some(found) = quick::<Portable, _>(&self.tables, ray, cell, &mut cost)
         {
             return (self.describe_quick(ray, &found, want), cost);
         }
         cost = Cost::default();
-        let hit = self.answer(start, ray, want, &mut cost);
+        let hit = self.answer(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
     }
 
@@ -247,16 +250,18 @@ impl Scene {
     /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it for the air
     /// within the tolerance.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if let Some(cell) = self.free_cell(ray.origin)
+        let cell = self.free_cell(ray.origin);
+        if let Some(cell) = cell
             && let Some(quick) = self.kernel.quick::<true>(&self.tables, ray, cell)
         {
             return quick.found.triangle != NONE;
         }
         let Some(line) = Line::new(&self.tables, ray) else { return false };
-        if self.may_start_in_solid(&line) {
+        if !(cell.is_some() && line.tmin == 0.0) && self.may_start_in_solid(&line) {
             return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let ended = nearest(&self.tables, &line, None, NONE, &mut Plain::<true>(self.kernel));
+        let hint = cell.unwrap_or(NONE);
+        let ended = nearest(&self.tables, &line, None, hint, &mut Plain::<true>(self.kernel));
         ended.found.triangle != NONE
             || (ended.in_matter && self.solid_around(line.origin + line.direction * line.tmin).is_some())
     }
@@ -310,6 +315,15 @@ impl Scene {
             .map(|back| (line.origin + line.direction * (t - back).max(line.tmin)).to_array())
             .find_map(|point| self.room_at(point))
             .unwrap_or(NONE)
+    }
+}
+
+/// Where a ray starts, once its place is known: farther from all solids than cells tell, if it starts there.
+#[inline]
+fn known<'a>(start: Start<'a>, ray: &Ray, cell: Option<u32>) -> Start<'a> {
+    match (start, cell) {
+        (Start::Anywhere, Some(cell)) if ray.tmin <= 0.0 => Start::Cell(cell),
+        _ => start,
     }
 }
 
