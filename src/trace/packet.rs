@@ -10,7 +10,7 @@
 use super::NONE;
 use super::herd::{Herd, Nearest, together};
 use super::kernel::Probe;
-use super::lanes::{Lanes, Wide};
+use super::lanes::{Lanes, Portable, Wide};
 use super::path::{BLURRED, NEAR};
 use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
 use super::ray::{Brief, Ray};
@@ -140,6 +140,9 @@ struct Packet<'a, 'r, L: Lanes> {
     direction: [L::Wide; 3],
     limit: L::Wide,
     /// Along the lattice's axes, from its origin.
+    place: [L::Wide; 3],
+    heading: [L::Wide; 3],
+    /// The same.
     from: [L; 3],
     along: [L; 3],
     /// The direction's length in the plan.
@@ -148,6 +151,12 @@ struct Packet<'a, 'r, L: Lanes> {
     steep: L,
     /// More than rounding moves a line, metres.
     rounding: f32,
+}
+
+/// Where a ray leaves a prism.
+#[inline(never)]
+fn leaves(way: &Way<'_>, cell: u32) -> Option<f64> {
+    way.leave::<Portable, false>(cell).map(|exit| exit.t)
 }
 
 /// Where rays leave their prisms.
@@ -257,6 +266,8 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             origin: [ox, oy, oz],
             direction: [dx, dy, dz],
             limit,
+            place: [x, y, z],
+            heading: [along_x, along_y, dz],
             from: [L::narrow(x), L::narrow(y), L::narrow(z)],
             along,
             flat,
@@ -340,13 +351,26 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         }
         if link & Step::PLATE == 0 {
             let exit = crossed.t.add(crossed.off);
-            // What is met before, or too far, is for others.
-            let is_on = L::bits(exit.le(L::narrow(self.limit))) & all == all
-                && self.touched_one(step.root, exit) == 0;
-            if is_on {
-                eight.cells = [link; LANES];
+            // What is too far is for others.
+            if L::bits(exit.le(L::narrow(self.limit))) & all != all {
+                return false;
             }
-            return is_on;
+            let touched = self.touched_one(step.root, exit);
+            if touched.count_ones() > FEW {
+                let found = self.detail::<P>(touched, step.root, self.passes(step, edge));
+                for lane in lanes(touched) {
+                    if found.triangle[lane] != NONE {
+                        let met = Found { t: found.t[lane], triangle: found.triangle[lane] };
+                        let quick = Quick { found: met, cell: eight.cells[lane], source: NONE };
+                        eight.put(lane, &quick, self.rays[lane].tmax);
+                        self.under_way &= !(1 << lane);
+                    }
+                }
+            } else if touched != 0 {
+                return false;
+            }
+            eight.cells = [link; LANES];
+            return true;
         }
         let source = link & !Step::PLATE;
         let Some(plate) = self.tables.plates.get(source as usize) else { return false };
@@ -391,6 +415,25 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         }
         self.under_way = 0;
         true
+    }
+
+    /// Where the rays pass an edge of a simple prism, or its floor or its ceiling: as `Way::passes` has it.
+    #[inline(always)]
+    fn passes(&self, step: &Step, edge: usize) -> L::Wide {
+        let ([x, y, z], [ax, ay, az]) = (self.place, self.heading);
+        if edge >= LANES {
+            let height = L::Wide::splat(f64::from(step.height[edge - LANES]));
+            return height.sub(z).mul(L::Wide::splat(1.0).div(az));
+        }
+        let next = (edge + 1) % LANES;
+        let a = [L::Wide::splat(f64::from(step.x[edge])), L::Wide::splat(f64::from(step.y[edge]))];
+        let b = [L::Wide::splat(f64::from(step.x[next])), L::Wide::splat(f64::from(step.y[next]))];
+        let moment = ay.mul(x).sub(ax.mul(y));
+        let right = ax.mul(a[1]).sub(ay.mul(a[0])).add(moment);
+        let left = ax.mul(b[1]).sub(ay.mul(b[0])).add(moment);
+        let (ex, ey) = (b[0].sub(a[0]), b[1].sub(a[1]));
+        let crossing = a[0].sub(x).mul(ey).sub(a[1].sub(y).mul(ex));
+        crossing.mul(L::Wide::splat(1.0).div(left.sub(right)))
     }
 
     /// What some rays meet of detail before `t`.
@@ -514,22 +557,42 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
             until = L::load(&ends);
         }
-        let touched = self.touched(&cells, is_one, until, probe);
+        let mut touched = self.touched(&cells, is_one, until, probe);
+        // Where each leaves, and what it meets before.
+        let mut met = Nearest { t, triangle: [NONE; LANES] };
+        for lane in lanes(touched & !plates.lanes) {
+            let (cell, bit) = (cells[lane], 1 << lane);
+            let exit = self.way(lane).and_then(|way| {
+                if alone & bit == 0 {
+                    Some(way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize))
+                } else {
+                    leaves(&way, cell)
+                }
+            });
+            match exit {
+                Some(exit) => met.t[lane] = exit,
+                None => {
+                    self.under_way &= !bit;
+                    touched &= !bit;
+                }
+            }
+        }
+        let is_herd = is_one && touched.count_ones() > FEW;
+        if is_herd {
+            let step = &tables.steps[cells[0] as usize];
+            let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
+            met = self.detail::<P>(touched, root, L::Wide::load(&met.t));
+        }
         for lane in lanes(touched) {
             let (cell, bit) = (cells[lane], 1 << lane);
-            let Some(way) = self.way(lane) else { continue };
             let end = Found { t: t[lane], triangle: plates.triangle[lane] };
-            let leaves = if plates.lanes & bit != 0 {
-                end.t
-            } else if alone & bit == 0 {
-                way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize)
-            } else if let Some(exit) = way.leave::<L, false>(cell) {
-                exit.t
+            let found = if is_herd {
+                Found { t: met.t[lane], triangle: met.triangle[lane] }
+            } else if let Some(way) = self.way(lane) {
+                way.detail(way.root(cell), [0.0, (met.t[lane] + NEAR).min(way.limit)], probe)
             } else {
-                self.under_way &= !bit;
                 continue;
             };
-            let found = way.detail(way.root(cell), [0.0, (leaves + NEAR).min(way.limit)], probe);
             if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
                 (t[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
                 plates.lanes |= bit;
