@@ -12,12 +12,12 @@ use super::herd::{Herd, Nearest, together};
 use super::kernel::Probe;
 use super::lanes::{Lanes, Portable, Wide};
 use super::path::{BLURRED, NEAR};
-use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
+use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way, link};
 use super::ray::{Brief, Ray};
 use super::step::{Part, Step};
 use super::walk::{Found, LEAST, Walk};
 use crate::format::Views;
-use crate::format::records::{BLOCK_BIT, LANES, NodeRecord};
+use crate::format::records::{BLOCK_BIT, CellRecord, LANES, NodeRecord};
 
 /// Fewer rays are no packet.
 const FEW: u32 = 2;
@@ -345,6 +345,11 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
         } else if all & !crossed.known != 0 {
             return false;
+        } else if link == Step::PARTS && edge >= LANES {
+            match self.cover_together(eight.cells[0], edge == DOWN, crossed.t) {
+                Some(found) => link = found,
+                None => return false,
+            }
         }
         if link >= Step::AROUND {
             return false;
@@ -482,6 +487,52 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
         }
         (L::bits(is_clear) & all == all).then_some(part.link[face])
+    }
+
+    /// The link of the part of a floor or a ceiling that all rays pass.
+    #[inline(always)]
+    fn cover_together(&self, cell: u32, is_down: bool, t: L) -> Option<u32> {
+        let tables = self.tables;
+        let (x, y) = (t.mul_add(self.along[0], self.from[0]), t.mul_add(self.along[1], self.from[1]));
+        let lead = self.under_way.trailing_zeros() as usize % LANES;
+        let (lead_x, lead_y) = (f64::from(x.store()[lead]), f64::from(y.store()[lead]));
+        // Farther than that from the border no other part is near.
+        let tilt = self.steep.abs().add(L::splat(2.0));
+        let margin = L::splat(1.5 * (BLURRED as f32 + self.rounding)).mul(tilt);
+        let record = &tables.cells[cell as usize];
+        let first = record.first_cover as usize;
+        let (below, above) = (record.below as usize, record.above as usize);
+        let covers = if is_down { first..first + below } else { first + below..first + below + above };
+        for cover in &tables.covers[covers] {
+            let beyond = tables.cells.get(cover.cell as usize)?;
+            let [lo, hi] = beyond.bounds;
+            let is_near = lead_x >= lo[0] && lead_x <= hi[0] && lead_y >= lo[1] && lead_y <= hi[1];
+            if beyond.kind == CellRecord::AROUND || !is_near {
+                continue;
+            }
+            let first = beyond.first_side as usize;
+            let sides = &tables.sides[first..first + beyond.sides as usize];
+            let last = sides.last()?.start;
+            let (mut ax, mut ay) = (L::splat(last[0]), L::splat(last[1]));
+            let mut inside = self.under_way;
+            for side in sides {
+                let (bx, by) = (L::splat(side.start[0]), L::splat(side.start[1]));
+                let (ex, ey) = (bx.sub(ax), by.sub(ay));
+                let inward = ex.mul_sub(y.sub(ay), ey.mul(x.sub(ax)));
+                inside &= L::bits(margin.mul(ex.abs().add(ey.abs())).le(inward));
+                if inside == 0 {
+                    break;
+                }
+                (ax, ay) = (bx, by);
+            }
+            if inside == self.under_way {
+                return link(tables, cover.cell, cover.source, cover.flags);
+            }
+            if inside != 0 {
+                return None;
+            }
+        }
+        None
     }
 
     /// Ends the ways of some rays, and takes the others into the next prisms.

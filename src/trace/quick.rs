@@ -441,16 +441,8 @@ impl<'a> Way<'a> {
 
     #[inline(always)]
     fn link(&self, t: f64, cell: u32, source: u32, flags: u16) -> Option<Exit> {
-        if source == NONE {
-            let link = match self.tables.cells[cell as usize].kind {
-                CellRecord::AIR => cell,
-                CellRecord::AROUND => Step::AROUND,
-                _ => return None,
-            };
-            return Some(Exit { t, link });
-        }
-        let is_matter = self.tables.cells[cell as usize].kind == CellRecord::SOLID;
-        (flags == PLAIN && is_matter).then_some(Exit { t, link: Step::PLATE | source })
+        let link = link(self.tables, cell, source, flags)?;
+        Some(Exit { t, link })
     }
 
     /// The same as `leave`, of any prism of air.
@@ -557,6 +549,18 @@ impl<'a> Way<'a> {
             }
         }
         None
+    }
+}
+
+/// Where a face leads that has a cell and a source behind it.
+#[inline(always)]
+pub(super) fn link(tables: &Views, cell: u32, source: u32, flags: u16) -> Option<u32> {
+    let kind = tables.cells[cell as usize].kind;
+    match kind {
+        CellRecord::AIR if source == NONE => Some(cell),
+        CellRecord::AROUND if source == NONE => Some(Step::AROUND),
+        CellRecord::SOLID if source != NONE && flags == PLAIN => Some(Step::PLATE | source),
+        _ => None,
     }
 }
 
