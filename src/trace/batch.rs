@@ -62,6 +62,17 @@ impl<'a> Starts<'a> {
     }
 }
 
+/// How a batch is answered: the answers are the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Plan {
+    /// One ray after the other.
+    One,
+    /// Eight rays that follow each other at once.
+    Eight,
+    /// The same in the order of the places at which they start.
+    Sorted,
+}
+
 /// Calls `each` with blocks of so many items of the slices, on all threads of the current rayon pool.
 fn for_each_block<A: Send>(
     rays: &[Ray],
@@ -165,11 +176,24 @@ impl Scene {
         briefs: &mut [Brief],
     ) {
         self.many::<false, _>(kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
-            if eight.known >> lane & 1 != 0 {
-                eight.brief(lane)
-            } else {
-                self.trace_brief_with(kernel, starts.of(index), &rays[index])
-            }
+            self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
+        });
+    }
+
+    /// The answer of a lane, or if it is not known that of its ray alone.
+    #[inline(always)]
+    fn brief_of(&self, kernel: Kernel, eight: &Eight, lane: usize, start: Start<'_>, ray: &Ray) -> Brief {
+        if eight.known >> lane & 1 != 0 {
+            eight.brief(lane)
+        } else {
+            self.trace_brief_with(kernel, start, ray)
+        }
+    }
+
+    #[cfg(all(test, feature = "compile"))]
+    fn briefs_as(&self, plan: Plan, kernel: Kernel, starts: Starts<'_>, rays: &[Ray], briefs: &mut [Brief]) {
+        self.many_as::<false, _>(plan, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
+            self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
         });
     }
 
@@ -187,7 +211,7 @@ impl Scene {
         });
     }
 
-    /// Answers all rays, eight at a time: `answer` hears the number of a ray in its block, its lane, and the block.
+    /// Answers all rays: `answer` hears the number of a ray in its block, and its lane among eight that may be answered, or not.
     fn many<const ANY: bool, A: Send>(
         &self,
         kernel: Kernel,
@@ -200,8 +224,37 @@ impl Scene {
         if let Starts::Cells(cells) = starts {
             assert_eq!(rays.len(), cells.len(), "as many cells as rays");
         }
-        if !is_scattered(starts, rays) {
-            for_each_block(rays, starts, answers, IN_ORDER, |rays, starts, answers| {
+        let plan = if !is_scattered(starts, rays) {
+            Plan::Eight
+        } else if self.tables.cells.len() < MANY_CELLS {
+            Plan::One
+        } else {
+            Plan::Sorted
+        };
+        self.many_as::<ANY, A>(plan, kernel, starts, rays, answers, answer);
+    }
+
+    /// The same as planned.
+    fn many_as<const ANY: bool, A: Send>(
+        &self,
+        plan: Plan,
+        kernel: Kernel,
+        starts: Starts<'_>,
+        rays: &[Ray],
+        answers: &mut [A],
+        answer: impl Fn(usize, usize, &Eight, &[Ray], Starts<'_>) -> A + Sync,
+    ) {
+        let size = match plan {
+            Plan::Sorted => (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end()),
+            _ => IN_ORDER,
+        };
+        for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
+            Plan::One => {
+                for (index, to) in answers.iter_mut().enumerate() {
+                    *to = answer(index, 0, &Eight::NONE, rays, starts);
+                }
+            }
+            Plan::Eight => {
                 self.eights::<ANY>(
                     kernel,
                     |index| starts.cell(index),
@@ -210,36 +263,26 @@ impl Scene {
                         answers[index] = answer(index, lane, eight, rays, starts);
                     },
                 );
-            });
-            return;
-        }
-        if self.tables.cells.len() < MANY_CELLS {
-            for_each_block(rays, starts, answers, IN_ORDER, |rays, starts, answers| {
-                for (index, to) in answers.iter_mut().enumerate() {
-                    *to = answer(index, 0, &Eight::NONE, rays, starts);
-                }
-            });
-            return;
-        }
-        let size = (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end());
-        for_each_block(rays, starts, answers, size, |rays, starts, answers| {
-            let order = self.order(starts, rays);
-            // Written in any order, and read one after the other: the other way around each would be waited for.
-            let mut sorted = vec![Ray::new([0.0; 3], [0.0; 3]); rays.len()];
-            let mut numbers = vec![(0u32, NONE); rays.len()];
-            for (index, (ray, &place)) in rays.iter().zip(&order).enumerate() {
-                sorted[place as usize] = *ray;
-                numbers[place as usize] = (index as u32, starts.cell(index));
             }
-            self.eights::<ANY>(
-                kernel,
-                |index| numbers[index].1,
-                &sorted,
-                |index, lane, eight| {
-                    let number = numbers[index].0 as usize;
-                    answers[number] = answer(number, lane, eight, rays, starts);
-                },
-            );
+            Plan::Sorted => {
+                let order = self.order(starts, rays);
+                // Written in any order, and read one after the other: the other way around each would be waited for.
+                let mut sorted = vec![Ray::new([0.0; 3], [0.0; 3]); rays.len()];
+                let mut numbers = vec![(0u32, NONE); rays.len()];
+                for (index, (ray, &place)) in rays.iter().zip(&order).enumerate() {
+                    sorted[place as usize] = *ray;
+                    numbers[place as usize] = (index as u32, starts.cell(index));
+                }
+                self.eights::<ANY>(
+                    kernel,
+                    |index| numbers[index].1,
+                    &sorted,
+                    |index, lane, eight| {
+                        let number = numbers[index].0 as usize;
+                        answers[number] = answer(number, lane, eight, rays, starts);
+                    },
+                );
+            }
         });
     }
 
@@ -318,5 +361,116 @@ mod tests {
     fn keys_come_in_order_and_equal_ones_stay_as_they_are() {
         assert_eq!(places_of(&[3, 0, 3, 1, 0], 4), [3, 0, 4, 2, 1]);
         assert_eq!(places_of(&[], 1), [0u32; 0]);
+    }
+}
+
+#[cfg(all(test, feature = "compile"))]
+mod scene_tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::generate::{
+        Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
+    };
+    use crate::splitmix::SplitMix64;
+    use crate::trace::Place;
+    use crate::{CompileOptions, compile};
+
+    fn scene(building: &Building, style: &Style) -> Scene {
+        compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
+    }
+
+    /// Fans of rays from places in the air, as pictures have them; then rays from anywhere to anywhere. Of some the direction is not
+    /// unit, some end, some start farther on, and some are none.
+    fn rays(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<u32>) {
+        let mut random = SplitMix64::new(seed);
+        let [lo, hi] = scene.hull();
+        let boxes: Vec<[[f64; 3]; 2]> = scene.rooms().map(|room| room.bounds()).chain([[lo, hi]]).collect();
+        let (mut rays, mut cells) = (Vec::new(), Vec::new());
+        while rays.len() < count {
+            let [lo, hi] = boxes[random.below(boxes.len() as u64) as usize];
+            let mut point = || DVec3::from([0, 1, 2].map(|i| random.between(lo[i], hi[i])));
+            let (from, to, aside) = (point(), point(), point());
+            let cell = match scene.locate(from.to_array()) {
+                Place::Air { cell, .. } => cell,
+                _ => continue,
+            };
+            let fan = [1, 8, 24][random.below(3) as usize];
+            let step = (aside - to) * [0.002, 0.05][random.below(2) as usize];
+            for i in 0..fan {
+                let way = to + step * f64::from(i) - from;
+                let mut ray = Ray::new(from.to_array(), way.to_array());
+                match random.below(40) {
+                    0..10 => ray.direction = way.normalize_or_zero().to_array(),
+                    10..14 => ray.tmax = way.length(),
+                    14 => ray.tmin = 0.5,
+                    15 => ray.direction = [0.0, 0.0, way.z],
+                    16 => ray.direction[random.below(3) as usize] = f64::NAN,
+                    17 => ray.tmax = 0.0,
+                    _ => {}
+                }
+                rays.push(ray);
+                // Also wrong ones.
+                cells.push(if random.below(50) == 0 { random.below(40) as u32 } else { cell });
+            }
+        }
+        (rays, cells)
+    }
+
+    fn bits(brief: &Brief) -> (u64, u32, u32) {
+        (brief.t.to_bits(), brief.triangle, brief.cell)
+    }
+
+    /// That batches answer as single rays do, to the last bit, on all kernels and as each plan has it.
+    fn check(name: &str, scene: &Scene) {
+        let (rays, cells) = rays(scene, 12_000, 7);
+        for kernel in Kernel::available() {
+            for starts in [Starts::Cells(&cells), Starts::Anywhere] {
+                let single: Vec<Brief> =
+                    (0..rays.len()).map(|i| scene.trace_brief_with(kernel, starts.of(i), &rays[i])).collect();
+                let met = single.iter().filter(|brief| brief.triangle != NONE).count();
+                assert!(met > rays.len() / 2, "{name}: {met} hits");
+                for plan in [Plan::One, Plan::Eight, Plan::Sorted] {
+                    let mut briefs = vec![Brief::ESCAPED; rays.len()];
+                    scene.briefs_as(plan, kernel, starts, &rays, &mut briefs);
+                    for (i, (brief, single)) in briefs.iter().zip(&single).enumerate() {
+                        let what = (brief, single, &rays[i], cells[i]);
+                        assert_eq!(bits(brief), bits(single), "{name} {} {plan:?}: {what:?}", kernel.name());
+                    }
+                }
+            }
+        }
+        let mut hits = vec![Hit::ESCAPED; rays.len()];
+        scene.trace_many(&rays, &mut hits, Want::default());
+        let mut occluded = vec![false; rays.len()];
+        scene.occluded_many(&rays, &mut occluded);
+        for (i, ray) in rays.iter().enumerate() {
+            let hit = scene.trace_from(Start::Anywhere, ray, Want::default());
+            assert_eq!(bytemuck::bytes_of(&hits[i]), bytemuck::bytes_of(&hit), "{name}: {ray:?}");
+            assert_eq!(occluded[i], scene.occluded(ray), "{name}: {ray:?}");
+        }
+    }
+
+    #[test]
+    fn batches_answer_as_single_rays_do() {
+        let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+        check("house", &scene(&house(&HouseOptions::default()), &Style::exact()));
+        check("build1", &scene(&build1(&office(0)), &Style::exact()));
+        check(
+            "tower",
+            &scene(&tower(&TowerOptions { office: office(0), ..TowerOptions::default() }), &Style::exact()),
+        );
+        check("random", &scene(&random(&office(1)), &Style::exact()));
+        check("random cad", &scene(&random(&office(2)), &Style::cad(2)));
+    }
+
+    #[test]
+    fn rays_are_scattered_that_start_elsewhere_than_those_before() {
+        let at = |i: usize| Ray::new([i as f64, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let (apart, runs): (Vec<Ray>, Vec<Ray>) = (0..40_000).map(|i| (at(i), at(i / 100))).unzip();
+        assert!(is_scattered(Starts::Anywhere, &apart) && !is_scattered(Starts::Anywhere, &runs));
+        assert!(!is_scattered(Starts::Cell(1), &apart) && !is_scattered(Starts::Anywhere, &apart[..100]));
+        let cells: Vec<u32> = (0..40_000).map(|i| i / 50).collect();
+        assert!(!is_scattered(Starts::Cells(&cells), &apart));
     }
 }
