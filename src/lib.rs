@@ -33,8 +33,9 @@
 //! 1 mm; the truth is the nearest hit with the model's own triangles, in f64. `oracle::right` has it in full.
 //!
 //! **Many rays** go from the caller's slice to the caller's slice ([`Scene::trace_many`]), with the feature `rayon` on
-//! the current pool. Where many rays start in the same air, [`Scene::trace_many_from`] looks it up but once; rays that go
-//! on from a hit start at [`Start::Hit`]. A [`Scene`] is immutable: share it among threads by reference.
+//! the current pool, eight at a time: give rays that go together one after the other. Where many rays start in the same air,
+//! [`Scene::trace_many_from`] looks it up but once, and [`Scene::trace_brief_many`] is the fastest way to ask; rays that go on from a hit start
+//! at [`Start::Hit`]. A [`Scene`] is immutable: share it among threads by reference.
 //!
 //! **Long calls** take options with limits on memory, a progress callback and a token to cancel them
 //! ([`importers::Limits`], [`importers::Watch`]). The library prints nothing and has no globals, and no file makes it

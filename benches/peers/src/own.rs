@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use enfilade::{Answer, Kernel, Ray, Scene, Start};
+use enfilade::{Answer, Brief, Kernel, Ray, Scene, Start, Starts};
 
 use crate::way::{Met, Rays, Way};
 
@@ -29,6 +29,30 @@ impl Way for Single {
         for (ray, answer) in rays.exact.iter().zip(answers) {
             *answer = self.scene.occluded(ray);
         }
+        true
+    }
+}
+
+/// Batches on the fastest kernel, on one thread; the cells of the origins of nearest hits are known, those of occlusion are not.
+pub struct Batch {
+    pub scene: Arc<Scene>,
+    pub pool: rayon::ThreadPool,
+}
+
+impl Way for Batch {
+    fn name(&self) -> String {
+        "enfilade, batch".to_owned()
+    }
+
+    fn nearest(&self, rays: &Rays, met: &mut [Met]) {
+        // The same layout, and a cell in the place of the padding.
+        let briefs: &mut [Brief] = bytemuck::cast_slice_mut(met);
+        let starts = Starts::Cells(&rays.cells);
+        self.pool.install(|| self.scene.trace_brief_many(starts, &rays.exact, briefs));
+    }
+
+    fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
+        self.pool.install(|| self.scene.occluded_many(&rays.exact, answers));
         true
     }
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::embree::{Built, Embree, One, Quality, Sixteen, Stream};
-use crate::own::{Single, Whole};
+use crate::own::{Batch, Single, Whole};
 use crate::scenes::Measured;
 use crate::way::{Met, Rays, Way, soup};
 use crate::{Arguments, crates, median};
@@ -92,6 +92,8 @@ fn ways(scene: &Arc<Scene>, embree: Option<&Arc<Embree>>, arguments: &Arguments)
     for kernel in Kernel::available().into_iter().rev() {
         ways.push(Box::new(Single { scene: Arc::clone(scene), kernel }));
     }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be started");
+    ways.push(Box::new(Batch { scene: Arc::clone(scene), pool }));
     ways.push(Box::new(Whole { scene: Arc::clone(scene) }));
     let soup = soup(scene);
     if let Some(embree) = embree {
