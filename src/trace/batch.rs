@@ -1,6 +1,7 @@
 //! Many rays at once, into the caller's own buffers.
 
 use super::kernel::Kernel;
+use super::locate::Place;
 use super::packet::Eight;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::{Start, Want};
@@ -211,6 +212,33 @@ impl Scene {
         });
     }
 
+    /// Where each point (internal frame, metres) lies: what [`Scene::locate`] answers. Faster where points near each other follow each
+    /// other.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn locate_many(&self, points: &[[f64; 3]], places: &mut [Place]) {
+        assert_eq!(points.len(), places.len(), "as many places as points");
+        let block = |(points, places): (&[[f64; 3]], &mut [Place])| {
+            let mut last = NONE;
+            for (&point, place) in points.iter().zip(places) {
+                *place = self.locate_near(point, last);
+                if let Place::Air { cell, .. } = *place {
+                    last = cell;
+                }
+            }
+        };
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            if points.len() > IN_ORDER {
+                points.par_chunks(IN_ORDER).zip(places.par_chunks_mut(IN_ORDER)).for_each(block);
+                return;
+            }
+        }
+        block((points, places));
+    }
+
     /// Answers all rays: `answer` hears the number of a ray in its block, and its lane among eight that may be answered, or not.
     fn many<const ANY: bool, A: Send>(
         &self,
@@ -373,7 +401,6 @@ mod scene_tests {
         Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
     };
     use crate::splitmix::SplitMix64;
-    use crate::trace::Place;
     use crate::{CompileOptions, compile};
 
     fn scene(building: &Building, style: &Style) -> Scene {
@@ -415,6 +442,31 @@ mod scene_tests {
             }
         }
         (rays, cells)
+    }
+
+    #[test]
+    fn points_are_located_as_single_ones_are() {
+        let scene = scene(&build1(&OfficeOptions { seed: 0, ..OfficeOptions::default() }), &Style::exact());
+        let mut random = SplitMix64::new(5);
+        let [lo, hi] = scene.hull();
+        let mut at = [0.0; 3];
+        let points: Vec<[f64; 3]> = (0..20_000)
+            .map(|i| {
+                match i % 8 {
+                    0 => at = [0, 1, 2].map(|axis| random.between(lo[axis] - 1.0, hi[axis] + 1.0)),
+                    7 if i % 5 == 0 => at[i % 3] = f64::NAN,
+                    _ => at = at.map(|c| c + random.between(-0.2, 0.2)),
+                }
+                at
+            })
+            .collect();
+        let mut places = vec![Place::Outside; points.len()];
+        scene.locate_many(&points, &mut places);
+        let air = places.iter().filter(|place| matches!(place, Place::Air { .. })).count();
+        assert!(air > points.len() / 4, "{air}");
+        for (point, place) in points.iter().zip(&places) {
+            assert_eq!(*place, scene.locate(*point), "{point:?}");
+        }
     }
 
     fn bits(brief: &Brief) -> (u64, u32, u32) {

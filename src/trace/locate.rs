@@ -35,11 +35,16 @@ pub enum Place {
 impl Scene {
     /// Where `point` (internal frame, metres) lies.
     pub fn locate(&self, point: [f64; 3]) -> Place {
+        self.locate_near(point, NONE)
+    }
+
+    /// The same; the cell is perhaps `hint`.
+    pub(super) fn locate_near(&self, point: [f64; 3], hint: u32) -> Place {
         let [lo, hi] = self.hull();
         if !(0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis]) {
             return Place::Outside;
         }
-        if let Some(cell) = self.free_cell(point) {
+        if let Some(cell) = self.free_cell_near(point, hint) {
             return self.place_in(cell);
         }
         if let Some(volume) = smallest(&self.tables, point, Role::Solid) {
