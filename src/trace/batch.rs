@@ -220,12 +220,12 @@ impl Scene {
     pub fn locate_many(&self, points: &[[f64; 3]], places: &mut [Place]) {
         assert_eq!(points.len(), places.len(), "as many places as points");
         let block = |(points, places): (&[[f64; 3]], &mut [Place])| {
-            let mut last = NONE;
+            // Points of a run: looked for where the last two were.
+            let (mut last, mut before) = (NONE, NONE);
             for (&point, place) in points.iter().zip(places) {
-                *place = self.locate_near(point, last);
-                if let Place::Air { cell, .. } = *place {
-                    last = cell;
-                }
+                *place = self.locate_near(point, if last == before { last } else { NONE });
+                before = last;
+                last = if let Place::Air { cell, .. } = *place { cell } else { NONE };
             }
         };
         #[cfg(feature = "rayon")]
