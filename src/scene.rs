@@ -66,11 +66,11 @@ impl Scene {
         Ok(Scene::from_views(Views::open(Storage::copy(bytes), true)?))
     }
 
-    /// As [`Scene::from_bytes`], without checking checksums, indices and numbers: faster, for bytes that this version
-    /// of the crate has just written or already checked.
+    /// As [`Scene::from_bytes`], without checking checksums, indices and numbers: faster (what rays need of each cell is still worked
+    /// out), for bytes that this version of the crate has just written or already checked.
     ///
     /// # Safety
-    /// Bytes that [`Scene::from_bytes`] would refuse make tracing panic, answer wrongly or never end.
+    /// Bytes that [`Scene::from_bytes`] would refuse make this or tracing panic, answer wrongly or never end.
     #[allow(unsafe_code)]
     pub unsafe fn from_bytes_unchecked(bytes: &[u8]) -> Result<Scene, FormatError> {
         Ok(Scene::from_views(Views::open(Storage::copy(bytes), false)?))

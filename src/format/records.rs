@@ -230,7 +230,7 @@ pub struct FaceRecord {
 }
 
 /// The bit of a face's or cover's flags that says: wherever a ray passes it, no nearer to its border than half a millimetre,
-/// triangles of its source are there, all in one plane, that of its source's plate; of one element and material.
+/// triangles of its source are there, all in one plane, that of its source's [`SourceRecord::plane`]; of one element and material.
 pub const PLAIN: u16 = 1;
 
 /// Section `covers`: a part of a floor or a ceiling.

@@ -22,8 +22,8 @@ use super::walk::{Found, Query, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
-/// Eight f32 in a register. Private to this module and used only inside `walk_avx2` and `occluded_avx2`, so that it
-/// exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
+/// Eight f32 in a register. Private to this module and used only inside `walk_avx2`, `quick_avx2` and
+/// `packet_avx2`, so that it exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
@@ -353,6 +353,6 @@ pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut 
 #[inline]
 pub(super) fn run<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
     debug_assert!(is_available());
-    // SAFETY: a `Kernel::Avx2` is made by `Kernel::available` and `Kernel::best` only, after `is_available` said yes.
+    // SAFETY: a kernel of this set is made by `Kernel::avx2` only, after `is_available` said yes.
     unsafe { walk_avx2::<ANY>(tables, query) }
 }

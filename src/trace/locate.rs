@@ -85,7 +85,7 @@ impl Scene {
         cube(&self.tables, local(&self.tables, point))
     }
 
-    /// The same; the cell is perhaps `hint`.
+    /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
     #[inline]
     pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
         let is_there = (hint as usize) < self.tables.steps.len()

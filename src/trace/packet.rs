@@ -10,7 +10,7 @@
 use super::NONE;
 use super::herd::{Herd, Nearest, together};
 use super::kernel::Probe;
-use super::lanes::{Lanes, Portable, Wide};
+use super::lanes::{Lanes, Wide};
 use super::path::{BLURRED, NEAR};
 use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way, link};
 use super::ray::{Brief, Ray};
@@ -27,7 +27,7 @@ const ALL: u32 = (1 << LANES) - 1;
 
 /// Eight rays' cells, and what they meet. Lane i is bit i of masks.
 pub(super) struct Eight {
-    /// In which they start; then, where they are.
+    /// In which they start; then, where those are that go on.
     pub(super) cells: [u32; LANES],
     /// Those that are answered.
     pub(super) known: u32,
@@ -151,12 +151,6 @@ struct Packet<'a, 'r, L: Lanes> {
     steep: L,
     /// More than rounding moves a line, metres.
     rounding: f32,
-}
-
-/// Where a ray leaves a prism.
-#[inline(never)]
-fn leaves(way: &Way<'_>, cell: u32) -> Option<f64> {
-    way.leave::<Portable, false>(cell).map(|exit| exit.t)
 }
 
 /// Where rays leave their prisms.
@@ -412,7 +406,10 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             return true;
         }
         for lane in lanes(touched) {
-            let Some(way) = self.way(lane) else { continue };
+            let Some(way) = self.way(lane) else {
+                eight.known &= !(1 << lane);
+                continue;
+            };
             let found = way.detail(step.root, [0.0, (met[lane] + NEAR).min(way.limit)], probe);
             if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
                 eight.put(lane, &Quick { found, cell: eight.cells[lane], source: NONE }, way.limit);
@@ -507,7 +504,10 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             let beyond = tables.cells.get(cover.cell as usize)?;
             let [lo, hi] = beyond.bounds;
             let is_near = lead_x >= lo[0] && lead_x <= hi[0] && lead_y >= lo[1] && lead_y <= hi[1];
-            if beyond.kind == CellRecord::AROUND || !is_near {
+            if beyond.kind == CellRecord::AROUND {
+                return None;
+            }
+            if !is_near {
                 continue;
             }
             let first = beyond.first_side as usize;
@@ -553,7 +553,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         let mut until = crossed.t.add(crossed.off).store();
         let mut links = [0; LANES];
         // Those whose way out was looked for by itself.
-        let mut alone = 0;
+        let (mut alone, mut exits) = (0, [0.0; LANES]);
         let mut plates = Plates::new();
         for lane in lanes(self.under_way) {
             let bit = 1 << lane;
@@ -587,6 +587,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
                 }
                 self.under_way |= bit;
                 link = exit.link;
+                exits[lane] = exit.t;
                 until[lane] = (exit.t + exit.t.abs() * 1e-6 + NEAR) as f32;
             }
             if link & Step::PLATE != 0 && !plates.add(tables, lane, link & !Step::PLATE) {
@@ -613,20 +614,15 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         let mut met = Nearest { t, triangle: [NONE; LANES] };
         for lane in lanes(touched & !plates.lanes) {
             let (cell, bit) = (cells[lane], 1 << lane);
-            let exit = self.way(lane).and_then(|way| {
-                if alone & bit == 0 {
-                    Some(way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize))
-                } else {
-                    leaves(&way, cell)
-                }
-            });
-            match exit {
-                Some(exit) => met.t[lane] = exit,
-                None => {
+            if alone & bit == 0 {
+                let Some(way) = self.way(lane) else {
                     self.under_way &= !bit;
                     touched &= !bit;
-                }
+                    continue;
+                };
+                exits[lane] = way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize);
             }
+            met.t[lane] = exits[lane];
         }
         let is_herd = is_one && touched.count_ones() > FEW;
         if is_herd {
@@ -642,6 +638,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             } else if let Some(way) = self.way(lane) {
                 way.detail(way.root(cell), [0.0, (met.t[lane] + NEAR).min(way.limit)], probe)
             } else {
+                self.under_way &= !bit;
                 continue;
             };
             if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
@@ -657,13 +654,22 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         }
         self.under_way &= !ended;
         // Where cells say that a ray is too far, the triangles may say that it is not yet.
-        let beyond = limits.add(L::splat(tables.scene[0].tolerance as f32)).le(crossed.t.sub(crossed.off));
-        let beyond = L::bits(beyond) & self.under_way & !alone;
-        for lane in lanes(beyond) {
-            let found = Found { t: f64::INFINITY, triangle: NONE };
-            eight.put(lane, &Quick { found, cell: NONE, source: NONE }, 0.0);
+        let is_near = L::bits(crossed.t.add(crossed.off).le(limits)) & !alone;
+        for lane in lanes(self.under_way & !is_near) {
+            let bit = 1 << lane;
+            let Some(way) = self.way(lane) else {
+                self.under_way &= !bit;
+                continue;
+            };
+            if alone & bit == 0 {
+                let step = &tables.steps[cells[lane] as usize];
+                exits[lane] = way.passes(step, edges[lane].to_bits() as usize);
+            }
+            if exits[lane] > way.limit + tables.scene[0].tolerance {
+                eight.put(lane, &way.nothing(cells[lane]), way.limit);
+                self.under_way &= !bit;
+            }
         }
-        self.under_way &= !beyond;
         eight.cells = links;
     }
 
@@ -736,7 +742,8 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             (dx, dy, side, is_left) = (next_x, next_y, next, is_next_left);
         }
         let (ex, ey) = (to_x.sub(from_x), to_y.sub(from_y));
-        let per = L::splat(1.0).div(left.sub(right));
+        // Not the difference of the ends' sides, which are rounded as far as they are from the ray's origin.
+        let per = L::splat(1.0).div(ax.mul_sub(ey, ay.mul(ex)));
         let mut t = from_x.mul_sub(ey, from_y.mul(ex)).mul(per);
         let slant = ex.abs().add(ey.abs()).mul(per);
         let height = t.mul_add(az, fz);

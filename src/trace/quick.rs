@@ -5,7 +5,7 @@
 //! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
 //! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
 //! `cells`, from its start. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
-//! that plain faces are plain, and plates their planes, is the file's word.
+//! that plain faces are plain is the file's word.
 
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -62,12 +62,12 @@ pub(super) fn quick<L: Lanes, P: Probe>(
 pub(super) struct Way<'a> {
     tables: &'a Views,
     /// As the caller has it.
-    pub(super) origin: DVec3,
-    pub(super) direction: DVec3,
+    origin: DVec3,
+    direction: DVec3,
     pub(super) limit: f64,
     /// Along the lattice's axes, from its origin.
-    pub(super) from: DVec3,
-    pub(super) along: DVec3,
+    from: DVec3,
+    along: DVec3,
     /// 1 by the third component of `along`.
     steep: f64,
     /// The third Pluecker coordinate of its line in the plan, see `plan`.
@@ -123,12 +123,7 @@ impl<'a> Way<'a> {
 
     /// A ray, and the same along the lattice's axes.
     #[inline(always)]
-    pub(super) fn of(
-        tables: &'a Views,
-        [origin, direction]: [DVec3; 2],
-        [from, along]: [DVec3; 2],
-        limit: f64,
-    ) -> Self {
+    fn of(tables: &'a Views, [origin, direction]: [DVec3; 2], [from, along]: [DVec3; 2], limit: f64) -> Self {
         let moment = along.y * from.x - along.x * from.y;
         let blurred = BLURRED * (along.x.abs() + along.y.abs());
         Way { tables, origin, direction, limit, from, along, steep: 1.0 / along.z, moment, blurred }
@@ -142,7 +137,7 @@ impl<'a> Way<'a> {
 
     /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.
     #[inline(always)]
-    pub(super) fn plate(&self, source: u32) -> Option<Found> {
+    fn plate(&self, source: u32) -> Option<Found> {
         // No such source: left to others.
         let plate = self.tables.plates.get(source as usize)?;
         let normal = DVec3::from(plate.normal);
@@ -355,12 +350,12 @@ impl<'a> Way<'a> {
 
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling: as `leave` has it.
     #[inline(always)]
-    pub(super) fn passes(&self, step: &Step, edge_: usize) -> f64 {
-        if edge_ >= LANES {
-            return (f64::from(step.height[edge_ - LANES]) - self.from.z) * self.steep;
+    pub(super) fn passes(&self, step: &Step, index: usize) -> f64 {
+        if index >= LANES {
+            return (f64::from(step.height[index - LANES]) - self.from.z) * self.steep;
         }
-        let next = (edge_ + 1) % LANES;
-        let (a, b) = ([step.x[edge_], step.y[edge_]], [step.x[next], step.y[next]]);
+        let next = (index + 1) % LANES;
+        let (a, b) = ([step.x[index], step.y[index]], [step.x[next], step.y[next]]);
         let per = 1.0 / (self.side(b) - self.side(a));
         self.crossing(a, edge(a, b)) * per
     }
@@ -427,6 +422,10 @@ impl<'a> Way<'a> {
         let (last, others) = faces.split_last()?;
         let mut face = last;
         for other in others.iter().rev() {
+            if other.top == NONE {
+                face = other;
+                continue;
+            }
             let (over, grows) = self.over(other.top);
             let over = over + t * grows;
             if !(over.abs() >= BLURRED * (2.0 + slant * grows.abs())) {

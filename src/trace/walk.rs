@@ -19,7 +19,7 @@ use crate::format::records::{
 use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level of any hierarchy: a file's, under the node that
-/// `closing` puts over it.
+/// `closing` puts over it. `herd` puts all children of a node here before it takes one: that is the 1.
 pub(super) const STACK: usize = (MAX_DEPTH as usize + 1) * (LANES - 1) + 1;
 
 /// Least size of a direction's component in the box test: smaller ones move a ray by less than the slack.
