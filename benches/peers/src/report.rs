@@ -129,9 +129,9 @@ impl Report {
 
     /// Bars of nanoseconds for the rays of frames, a group for each scene.
     pub fn plot(&self, path: &Path) -> anyhow::Result<()> {
-        /// Below the bars stand the names, right of them what they are.
+        /// Below the bars stand the names, in two rows; right of them, so much of their width, what they are.
         const LEAST: f64 = 10.0;
-        const LEGEND: f64 = 45.0;
+        const LEGEND: f64 = 0.38;
         let (scenes, ways) = (self.scenes(), self.ways("primary"));
         let (scene_count, way_count) = (scenes.len(), ways.len());
         let most = self.rows.iter().filter(|row| row.rays == "primary").map(|row| row.ns_per_ray);
@@ -145,7 +145,10 @@ impl Report {
             .caption("Rays of frames, ns each, one thread (logarithmic)", ("sans-serif", 18))
             .x_label_area_size(8)
             .y_label_area_size(56)
-            .build_cartesian_2d(0.0..step * scene_count as f64 + LEGEND, (LEAST / 2.0..most).log_scale())
+            .build_cartesian_2d(
+                0.0..step * scene_count as f64 * (1.0 + LEGEND),
+                (LEAST / 2.0..most).log_scale(),
+            )
             .map_err(|e| failed(&e))?;
         chart
             .configure_mesh()
@@ -168,7 +171,8 @@ impl Report {
                 .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 10, y + 5)], color.filled()));
         }
         let names = scenes.iter().enumerate().map(|(s, scene)| {
-            Text::new((*scene).to_owned(), (s as f64 * step + 0.5, LEAST * 0.9), ("sans-serif", 12))
+            let below = if s % 2 == 0 { 0.92 } else { 0.75 };
+            Text::new((*scene).to_owned(), (s as f64 * step + 0.5, LEAST * below), ("sans-serif", 12))
         });
         chart.draw_series(names).map_err(|e| failed(&e))?;
         chart

@@ -84,6 +84,11 @@ fn traces(scene: &Scene, origin: Origin) {
     scene.trace_many(&rays, &mut hits, Want::default());
     for (ray, hit) in rays.iter().zip(&hits) {
         record(scene, ray, hit);
+        // To the last bit, of what the compiler made.
+        let single = scene.trace_from(Start::Anywhere, ray, Want::default());
+        let agree = hit.t.to_bits() == single.t.to_bits()
+            && (hit.triangle, hit.cell, hit.room) == (single.triangle, single.cell, single.room);
+        assert!(agree || origin == Origin::Opened, "{ray:?}: {hit:?} {single:?}");
     }
 }
 
