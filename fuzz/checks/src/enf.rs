@@ -181,7 +181,7 @@ mod tests {
     fn sections_make_the_file_again() {
         for (name, seed) in crate::seeds::enf() {
             let (head, sections) = sections(&seed).unwrap();
-            assert_eq!(sections.len(), if name == "map" { 36 } else { 26 });
+            assert_eq!(sections.len(), if name == "map" { 34 } else { 24 });
             assert!(file(&head, &sections) == seed, "{name}");
         }
     }
