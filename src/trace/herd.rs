@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::NONE;
 use super::lanes::{Lanes, Wide};
 use super::walk::{EDGE_ON, Found, LEAST, Query, ROUNDING, STACK, Walk};
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES};
+use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, SceneRecord};
 
 /// Rays that start at their origins, with unit directions.
 pub(super) struct Herd<L: Lanes> {
@@ -24,13 +24,46 @@ pub(super) struct Nearest {
     pub(super) triangle: [u32; LANES],
 }
 
+/// Rays in f32, as boxes and blocks are.
+pub(super) struct Rounded<L> {
+    /// From the scene's center.
+    local: [L; 3],
+    toward: [L; 3],
+    inverse: [L; 3],
+}
+
+impl<L: Lanes> Rounded<L> {
+    #[inline(always)]
+    pub(super) fn new(scene: &SceneRecord, origin: &[L::Wide; 3], direction: &[L::Wide; 3]) -> Self {
+        let (one, least) = (L::splat(1.0), L::splat(LEAST));
+        let (mut local, mut toward, mut inverse) = ([one; 3], [one; 3], [one; 3]);
+        for axis in 0..3 {
+            local[axis] = L::narrow(origin[axis].sub(L::Wide::splat(scene.center[axis])));
+            toward[axis] = L::narrow(direction[axis]);
+            inverse[axis] = one.div(toward[axis].abs().max(least).flip(toward[axis]));
+        }
+        Rounded { local, toward, inverse }
+    }
+
+    /// Between where the rays are in a node's box, after `near` and before `far`.
+    #[inline(always)]
+    pub(super) fn span(&self, node: &NodeRecord, child: usize, mut near: L, mut far: L) -> (L, L) {
+        for axis in 0..3 {
+            let (lo, hi) = (L::splat(node.lo[axis][child]), L::splat(node.hi[axis][child]));
+            let a = lo.sub(self.local[axis]).mul(self.inverse[axis]);
+            let b = hi.sub(self.local[axis]).mul(self.inverse[axis]);
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        (near, far)
+    }
+}
+
 /// Rays under way through a hierarchy.
 struct Course<'a, 'w, L: Lanes> {
     walk: &'a Walk<'w>,
     herd: &'a Herd<L>,
-    local: [L; 3],
-    toward: [L; 3],
-    inverse: [L; 3],
+    rounded: Rounded<L>,
     /// The rays that look for something.
     active: u32,
     /// Nothing that matters is farther.
@@ -63,13 +96,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
     #[inline(always)]
     fn new(walk: &'a Walk<'w>, herd: &'a Herd<L>, rays: u32, until: L::Wide) -> Self {
         let scene = walk.scene;
-        let (one, least) = (L::splat(1.0), L::splat(LEAST));
-        let (mut local, mut toward, mut inverse) = ([one; 3], [one; 3], [one; 3]);
-        for axis in 0..3 {
-            local[axis] = L::narrow(herd.origin[axis].sub(L::Wide::splat(scene.center[axis])));
-            toward[axis] = L::narrow(herd.direction[axis]);
-            inverse[axis] = one.div(toward[axis].abs().max(least).flip(toward[axis]));
-        }
+        let rounded = Rounded::new(scene, &herd.origin, &herd.direction);
         let size = [herd.direction[0].abs(), herd.direction[1].abs(), herd.direction[2].abs()];
         let along_x = !size[0].le(size[1]) & !size[0].le(size[2]);
         let along_y = !along_x & !size[1].le(size[2]);
@@ -91,11 +118,9 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         let mut course = Course {
             walk,
             herd,
-            local,
-            toward,
-            inverse,
+            rounded,
             active: rays,
-            limit: one,
+            limit: L::splat(0.0),
             best,
             axis,
             sheared: axes[axis],
@@ -133,14 +158,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
                     if node.child[child] == NONE {
                         continue;
                     }
-                    let (mut near, mut far) = (first, self.limit);
-                    for axis in 0..3 {
-                        let (lo, hi) = (L::splat(node.lo[axis][child]), L::splat(node.hi[axis][child]));
-                        let a = lo.sub(self.local[axis]).mul(self.inverse[axis]);
-                        let b = hi.sub(self.local[axis]).mul(self.inverse[axis]);
-                        near = near.max(a.min(b));
-                        far = far.min(a.max(b));
-                    }
+                    let (near, far) = self.rounded.span(node, child, first, self.limit);
                     if L::bits(near.le(far)) & rays == 0 {
                         continue;
                     }
@@ -172,7 +190,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
     fn block<const ANY: bool>(&mut self, block: usize, rays: u32) {
         let block: &BlockRecord = &self.walk.blocks[block];
         let slack = self.walk.scene.slack;
-        let ([ox, oy, oz], [dx, dy, dz]) = (self.local, self.toward);
+        let ([ox, oy, oz], [dx, dy, dz]) = (self.rounded.local, self.rounded.toward);
         let zero = L::splat(0.0);
         for lane in 0..LANES {
             let triangle = block.triangle[lane];

@@ -1,0 +1,83 @@
+//! Detail of the cells in which rays are.
+
+use super::Packet;
+use crate::format::records::{BLOCK_BIT, LANES, NodeRecord};
+use crate::trace::NONE;
+use crate::trace::herd::{Herd, Nearest, Rounded, together};
+use crate::trace::kernel::Probe;
+use crate::trace::lanes::{Lanes, Wide};
+use crate::trace::path::NEAR;
+use crate::trace::walk::Walk;
+
+impl<L: Lanes> Packet<'_, '_, L> {
+    /// What some rays meet of detail before `t`.
+    #[inline(always)]
+    pub(super) fn detail<P: Probe>(&self, rays: u32, root: u32, t: L::Wide) -> Nearest {
+        let herd = Herd::<L> { origin: self.origin, direction: self.direction };
+        let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
+        if P::ANY {
+            together::<L, true>(&Walk::new(self.tables), &herd, rays, root, until)
+        } else {
+            together::<L, false>(&Walk::new(self.tables), &herd, rays, root, until)
+        }
+    }
+
+    /// The rays that come to a box of the detail of their cells before `until`.
+    #[inline(always)]
+    pub(super) fn touched<P: Probe>(
+        &self,
+        cells: &[u32; LANES],
+        is_one: bool,
+        until: L,
+        probe: &mut P,
+    ) -> u32 {
+        let tables = self.tables;
+        if is_one {
+            let step = &tables.steps[cells[0] as usize];
+            let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
+            return self.touched_one(root, until);
+        }
+        let until = until.store();
+        let mut touched = 0;
+        for lane in super::lanes(self.under_way) {
+            let step = &tables.steps[cells[lane] as usize];
+            let root = if step.is_some() { step.root } else { tables.cells[cells[lane] as usize].root };
+            if root == NONE {
+                continue;
+            }
+            let until = f64::from(until[lane]) * (1.0 + 1e-6) + NEAR;
+            let is_touched = root & BLOCK_BIT != 0
+                || self.way(lane).is_some_and(|way| way.touches::<L>(root, until, probe));
+            touched |= u32::from(is_touched) << lane;
+        }
+        touched
+    }
+
+    /// The same where that of all is one.
+    #[inline(always)]
+    pub(super) fn touched_one(&self, root: u32, until: L) -> u32 {
+        match root {
+            NONE => 0,
+            root if root & BLOCK_BIT != 0 => self.under_way,
+            root => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
+        }
+    }
+
+    /// The rays that come to any of a node's boxes before `until`.
+    #[inline(always)]
+    fn touched_boxes(&self, node: &NodeRecord, until: L) -> u32 {
+        let scene = &self.tables.scene[0];
+        let rays = Rounded::new(scene, &self.origin, &self.direction);
+        let slack = L::splat(scene.slack);
+        let until = until.mul_add(L::splat(2e-6), until).add(slack);
+        let mut touched = 0;
+        for child in 0..LANES {
+            if node.child[child] == NONE {
+                continue;
+            }
+            let (near, far) = rays.span(node, child, L::splat(0.0).sub(slack), until);
+            touched |= L::bits(near.le(far));
+        }
+        touched
+    }
+}
