@@ -184,7 +184,7 @@ impl Scene {
     /// # Panics
     /// If there is no triangle `index`.
     pub fn triangle(&self, index: u32) -> [[f64; 3]; 3] {
-        self.tables.triangles[index as usize].vertices.map(|v| self.tables.vertices[v as usize])
+        self.tables.triangles[index as usize].map(|v| self.tables.vertices[v as usize])
     }
 }
 

@@ -610,13 +610,15 @@ fn scenes_that_refer_to_nothing_are_refused() {
         ("materials", 0, far, "name"),
         ("cameras", 80, far, "name"),
         ("triangles", 0, far, "vertex"),
-        ("triangles", 12, far, "element"),
-        ("triangles", 16, far, "material"),
-        ("triangles", 20, far, "volume"),
+        ("runs", 0, 1, "first triangle"),
+        ("runs", 4, far, "element"),
+        ("runs", 8, far, "material"),
+        ("runs", 12, far, "volume"),
         ("nodes", 192, far, "child"),
         ("nodes", 192, 0, "child that is the root"),
-        ("nodes", 192, 1 << 31 | 77, "block"),
-        ("blocks", 288, far, "triangle"),
+        ("nodes", 192, 1 << 31 | 77_000, "leaf"),
+        ("nodes", 192, 1 << 31 | 2 << 28 | 6, "leaf in two groups"),
+        ("leaves", 0, far, "triangle"),
         ("volumes", 56, far, "first triangle"),
         ("volumes", 64, far, "element"),
         ("volumes", 68, 9, "role"),
@@ -642,7 +644,7 @@ fn scenes_that_refer_to_nothing_are_refused() {
     for (name, at, bytes, what) in integers.into_iter().chain(floats) {
         let section = enf::section(&whole, name);
         if name == "nodes" && section.length == 0 {
-            // A scene of so few triangles has but one block.
+            // A scene of so few triangles has but one leaf.
             continue;
         }
         assert!(at + bytes.len() <= section.item && section.length > 0, "{name}: {what}");

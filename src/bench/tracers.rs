@@ -76,7 +76,7 @@ impl Rounded {
         if !is_hit {
             return Hit::ESCAPED;
         }
-        let element = self.scene.tables.triangles[hit.primitive_id as usize].element;
+        let element = self.scene.tables.record(hit.primitive_id).element;
         Hit { t: f64::from(hit.t), element, triangle: hit.primitive_id, ..Hit::ESCAPED }
     }
 }

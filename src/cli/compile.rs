@@ -74,6 +74,13 @@ fn write_text(out: &mut String, timed: &Timed<'_>, path: &str) -> std::fmt::Resu
         "{path}: {} bytes, {} elements, {} rooms, {} cells",
         r.bytes, r.elements, r.rooms, r.cells
     )?;
+    if let Some(g) = &r.graph {
+        writeln!(
+            out,
+            "{} prisms of air, {} of matter: {:.2} sections a cell of air, {:.2} faces a section; {:.0} bytes a cell, {:.1} a face",
+            g.air, g.solid, g.sections_per_cell, g.faces_per_section, g.bytes_per_cell, g.bytes_per_face
+        )?;
+    }
     writeln!(out, "{} triangles in:", r.triangles_in)?;
     for row in &r.triangles_out {
         writeln!(out, "  {:>10} {}", row.count, row.what)?;

@@ -310,7 +310,7 @@ impl Scene {
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
         for triangle in own {
             let [a, b, c] = self.triangle(triangle).map(glam::DVec3::from);
-            let material = self.tables.triangles[triangle as usize].material;
+            let material = self.tables.record(triangle).material;
             *areas.entry(material).or_default() += (b - a).cross(c - a).length();
         }
         let most = areas.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));

@@ -14,7 +14,7 @@ use super::sheet::Sheet;
 use super::tree::{Item, Tree};
 use crate::format::View;
 use crate::format::Views;
-use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, TriangleRecord};
+use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, RunRecord};
 use crate::trace::{NONE, Prisms, Step};
 
 /// The tables that are changed, as they were opened.
@@ -23,7 +23,9 @@ pub(super) struct Base {
     steps: View<Step>,
     nodes: View<NodeRecord>,
     blocks: View<BlockRecord>,
-    triangles: View<TriangleRecord>,
+    triangles: View<[u32; 3]>,
+    runs: View<RunRecord>,
+    run_of: View<u32>,
     vertices: View<[f64; 3]>,
     /// Where triangles of leaves are in blocks: element, block, lane.
     leaves: Vec<(u32, u32, u8)>,
@@ -44,7 +46,7 @@ impl Base {
         let mut leaves = Vec::new();
         for (block, record) in tables.blocks.iter().enumerate() {
             for lane in (0..LANES).filter(|&lane| record.triangle[lane] != NONE) {
-                let element = tables.triangles[record.triangle[lane] as usize].element;
+                let element = tables.record(record.triangle[lane]).element;
                 if is_leaf[element as usize] {
                     leaves.push((element, block as u32, lane as u8));
                 }
@@ -57,6 +59,8 @@ impl Base {
             nodes: tables.nodes.clone(),
             blocks: tables.blocks.clone(),
             triangles: tables.triangles.clone(),
+            runs: tables.runs.clone(),
+            run_of: tables.run_of.clone(),
             vertices: tables.vertices.clone(),
             leaves,
         }
@@ -68,6 +72,8 @@ impl Base {
         tables.nodes = self.nodes;
         tables.blocks = self.blocks;
         tables.triangles = self.triangles;
+        tables.runs = self.runs;
+        tables.run_of = self.run_of;
         tables.vertices = self.vertices;
     }
 
@@ -87,20 +93,30 @@ impl Base {
         });
         tables.triangles.edit(|triangles| {
             triangles.truncate(self.triangles.len());
-            for Placed { sheet, element, material } in sheets {
+            for Placed { sheet, .. } in sheets {
                 let start = triangles.len() as u32;
                 for corners in &sheet.triangles {
                     let triangle = triangles.len() as u32;
                     let vertex = first_vertex + 3 * (triangle - first);
-                    triangles.push(TriangleRecord {
-                        vertices: [vertex, vertex + 1, vertex + 2],
-                        element: *element,
-                        material: *material,
-                        volume: NONE,
-                    });
+                    triangles.push([vertex, vertex + 1, vertex + 2]);
                     items.push(Item { triangle, corners: corners.map(DVec3::from) });
                 }
                 ranges.push(start..triangles.len() as u32);
+            }
+        });
+        tables.runs.edit(|runs| {
+            runs.truncate(self.runs.len());
+            runs.extend(sheets.iter().zip(&ranges).map(|(placed, range)| RunRecord {
+                first: range.start,
+                element: placed.element,
+                material: placed.material,
+                volume: NONE,
+            }));
+        });
+        tables.run_of.edit(|run_of| {
+            run_of.truncate(self.run_of.len());
+            for (run, range) in (self.runs.len() as u32..).zip(&ranges) {
+                run_of.resize(range.end as usize, run);
             }
         });
         // The cells as they are in the file: only their roots change.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord};
+use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 
 /// A triangle of the scene.
@@ -12,7 +12,7 @@ pub(super) struct Item {
     pub(super) corners: [DVec3; 3],
 }
 
-/// Where nodes and blocks are added.
+/// Where nodes and groups of triangles are added.
 pub(super) struct Tree<'a> {
     pub(super) nodes: &'a mut Vec<NodeRecord>,
     pub(super) blocks: &'a mut Vec<BlockRecord>,
@@ -54,7 +54,7 @@ impl Tree<'_> {
                 block.put(lane, item.triangle, item.corners, self.center);
             }
             self.blocks.push(block);
-            return (self.blocks.len() as u32 - 1) | BLOCK_BIT;
+            return Leaf::link((self.blocks.len() - 1) * LANES, items.len());
         }
         let [lo, hi] = self.bounds(items);
         let size = |axis: usize| hi[axis] - lo[axis];
@@ -79,15 +79,16 @@ impl Tree<'_> {
 
     /// A box around all that is under a root, slack included.
     fn around(&self, root: u32) -> Bounds {
-        if root & BLOCK_BIT == 0 {
+        if root & Leaf::BIT == 0 {
             let node = &self.nodes[root as usize];
             let lanes = (0..LANES).filter(|&lane| node.child[lane] != NONE);
             let child = |lane: usize| [node.lo.map(|axis| axis[lane]), node.hi.map(|axis| axis[lane])];
             return lanes.map(child).fold(NOWHERE, union);
         }
-        let block = &self.blocks[(root & !BLOCK_BIT) as usize];
+        let leaf = Leaf::new(root);
+        let block = &self.blocks[leaf.block()];
         let mut bounds = NOWHERE;
-        for lane in (0..LANES).filter(|&lane| block.triangle[lane] != NONE) {
+        for lane in leaf.lanes().filter(|&lane| block.triangle[lane] != NONE) {
             let corner = block.corner.map(|axis| axis[lane]);
             for edge in [[0.0; 3], block.edge1.map(|axis| axis[lane]), block.edge2.map(|axis| axis[lane])] {
                 // Edges were rounded by themselves: twice the slack.

@@ -26,12 +26,13 @@ pub(super) fn add(model: &Model, parts: &[Part], tables: &mut Tables) {
         new
     };
     let mut ranges = vec![(0u32, 0u32); model.elements.len()];
-    for (i, triangle) in tables.triangles.iter().enumerate() {
-        let (first, count) = &mut ranges[triangle.element as usize];
+    for (i, run) in tables.runs.iter().enumerate() {
+        let end = tables.runs.get(i + 1).map_or(tables.triangles.len() as u32, |next| next.first);
+        let (first, count) = &mut ranges[run.element as usize];
         if *count == 0 {
-            *first = i as u32;
+            *first = run.first;
         }
-        *count += 1;
+        *count += end - run.first;
     }
     // The volumes of an element stand side by side.
     let mut volumes = vec![0..0; model.elements.len()];
@@ -84,7 +85,7 @@ fn add_room(element: u32, part: &Part, volumes: Range<usize>, tables: &mut Table
         let first = record.first_triangle as usize;
         let (mut down, mut up) = (0.0, 0.0);
         for triangle in &tables.triangles[first..first + record.triangle_count as usize] {
-            let [a, b, c] = triangle.vertices.map(|v| tables.vertices[v as usize]);
+            let [a, b, c] = triangle.map(|v| tables.vertices[v as usize]);
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             down += (-twice / 2.0).max(0.0);
             up += (twice / 2.0).max(0.0);

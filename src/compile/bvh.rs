@@ -8,15 +8,16 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord};
+use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::format::{MAX_DEPTH, Tables};
 use crate::trace::NONE;
 
-/// Nodes and blocks of one hierarchy; node 0 is the root, or if there is none block 0.
+/// Nodes and leaves of one hierarchy; node 0 is the root, or if there is none leaf 0. A child with [`Leaf::BIT`] is the leaf of that number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<NodeRecord>,
-    pub(super) blocks: Vec<BlockRecord>,
+    /// Triangles of each leaf, one to eight.
+    pub(super) leaves: Vec<Vec<u32>>,
     /// Longest chain of nodes.
     pub(super) depth: u32,
 }
@@ -25,22 +26,19 @@ impl Hierarchy {
     /// Adds it to a scene's tables, `ids` being the scene's triangles that it was built over. Returns its root, [`NONE`] if
     /// it is empty.
     pub(super) fn append(self, ids: &[u32], tables: &mut Tables) -> u32 {
-        let (nodes, blocks) = (tables.nodes.len() as u32, tables.blocks.len() as u32);
-        let root = match (self.nodes.is_empty(), self.blocks.is_empty()) {
-            (false, _) => nodes,
-            (true, false) => blocks | BLOCK_BIT,
-            (true, true) => NONE,
-        };
-        let is_some = |link: &&mut u32| **link != NONE;
+        let nodes = tables.nodes.len() as u32;
+        let leaf = |triangles: Vec<u32>| tables.leaf(triangles.into_iter().map(|t| ids[t as usize]));
+        let links: Vec<u32> = self.leaves.into_iter().map(leaf).collect();
+        let root = if self.nodes.is_empty() { links.first().copied().unwrap_or(NONE) } else { nodes };
         tables.nodes.extend(self.nodes.into_iter().map(|mut node| {
-            node.child.iter_mut().filter(is_some).for_each(|child| {
-                *child += if *child & BLOCK_BIT != 0 { blocks } else { nodes };
+            node.child.iter_mut().filter(|link| **link != NONE).for_each(|child| {
+                *child = if *child & Leaf::BIT != 0 {
+                    links[(*child & !Leaf::BIT) as usize]
+                } else {
+                    *child + nodes
+                };
             });
             node
-        }));
-        tables.blocks.extend(self.blocks.into_iter().map(|mut block| {
-            block.triangle.iter_mut().filter(is_some).for_each(|t| *t = ids[*t as usize]);
-            block
         }));
         root
     }
@@ -54,16 +52,15 @@ pub(super) fn slack(radius: f64, diameter: f64) -> f32 {
     ((radius + diameter) * (-19f64).exp2()) as f32
 }
 
-/// The hierarchy over triangles given by their corners, boxes and blocks relative to `center`.
+/// The hierarchy over triangles given by their corners, boxes relative to `center`.
 pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -> Hierarchy {
     if triangles.is_empty() {
         return Hierarchy::default();
     }
     let center = DVec3::from(center);
     if triangles.len() <= LANES {
-        let members: Vec<u32> = (0..triangles.len() as u32).collect();
-        let blocks = vec![block(&members, triangles, center)];
-        return Hierarchy { blocks, ..Hierarchy::default() };
+        let leaves = vec![(0..triangles.len() as u32).collect()];
+        return Hierarchy { leaves, ..Hierarchy::default() };
     }
     let corners = |t: usize| triangles[t].map(|p| (DVec3::from(p) - center).as_vec3a());
     let rounded: Vec<Triangle> = (0..triangles.len())
@@ -73,12 +70,11 @@ pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -
         })
         .collect();
     let binary = binary(&rounded);
-    let mut hierarchy =
-        Collapse { binary: &binary, triangles, center, slack, out: Hierarchy::default() }.run();
+    let mut hierarchy = Collapse { binary: &binary, slack, out: Hierarchy::default() }.run();
     if hierarchy.depth > MAX_DEPTH {
         // Only triangles laid out to spoil it nest so deeply: halves of a sorted list never do.
         let binary = halves(&rounded);
-        hierarchy = Collapse { binary: &binary, triangles, center, slack, out: Hierarchy::default() }.run();
+        hierarchy = Collapse { binary: &binary, slack, out: Hierarchy::default() }.run();
     }
     hierarchy
 }
@@ -110,15 +106,13 @@ const REINSERTED: f32 = 0.05;
 
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    triangles: &'a [[[f64; 3]; 3]],
-    center: DVec3,
     slack: f32,
     out: Hierarchy,
 }
 
-/// What a visit of a node costs, beside what a visit of a block does.
+/// What a visit of a node costs, beside what a visit of a leaf does.
 const NODE_COST: f32 = 1.0;
-const BLOCK_COST: f32 = 1.0;
+const LEAF_COST: f32 = 1.0;
 
 /// For one node of the binary tree.
 #[derive(Clone, Copy, Default)]
@@ -144,7 +138,7 @@ impl Collapse<'_> {
             for (lane, child) in self.children(root, &plans).into_iter().enumerate() {
                 let bounds = self.binary.nodes[child as usize].aabb;
                 let link = if plans[child as usize].count as usize <= LANES {
-                    self.block(child)
+                    self.leaf(child)
                 } else {
                     self.out.nodes.push(NodeRecord::EMPTY);
                     let next = self.out.nodes.len() as u32 - 1;
@@ -158,7 +152,7 @@ impl Collapse<'_> {
         self.out
     }
 
-    /// Which nodes of the binary tree become wide nodes and which blocks, so that the expected cost of a random ray is
+    /// Which nodes of the binary tree become wide nodes and which leaves, so that the expected cost of a random ray is
     /// least: by dynamic programming from the leaves up (Ylitie, Karras, Laine, Efficient Incoherent Ray Traversal on
     /// GPUs Through Compressed Wide BVHs, HPG 2017, section 3.2).
     fn plan(&self) -> Vec<Plan> {
@@ -178,7 +172,7 @@ impl Collapse<'_> {
             let mut plan = Plan::default();
             if node.is_leaf() {
                 plan.count = node.prim_count;
-                plan.cost = [area * BLOCK_COST; LANES];
+                plan.cost = [area * LEAF_COST; LANES];
             } else {
                 let first = node.first_index as usize;
                 let (one, two) = (&plans[first], &plans[first + 1]);
@@ -191,8 +185,8 @@ impl Collapse<'_> {
                 };
                 let (own, of_own) = split(LANES);
                 plan.own = of_own;
-                let is_block = plan.count as usize <= LANES;
-                plan.cost[0] = if is_block { area * BLOCK_COST } else { area * NODE_COST + own };
+                let is_leaf = plan.count as usize <= LANES;
+                plan.cost[0] = if is_leaf { area * LEAF_COST } else { area * NODE_COST + own };
                 for children in 2..=LANES {
                     let (cost, first) = split(children);
                     let fewer = plan.cost[children - 2];
@@ -227,8 +221,8 @@ impl Collapse<'_> {
         children
     }
 
-    /// A block of all triangles below a node.
-    fn block(&mut self, root: u32) -> u32 {
+    /// A leaf of all triangles below a node.
+    fn leaf(&mut self, root: u32) -> u32 {
         let mut members = Vec::with_capacity(LANES);
         let mut todo = vec![root];
         while let Some(i) = todo.pop() {
@@ -245,19 +239,9 @@ impl Collapse<'_> {
         members.sort_unstable();
         // A triangle that was split may have come together again.
         members.dedup();
-        let block = block(&members, self.triangles, self.center);
-        self.out.blocks.push(block);
-        (self.out.blocks.len() as u32 - 1) | BLOCK_BIT
+        self.out.leaves.push(members);
+        (self.out.leaves.len() as u32 - 1) | Leaf::BIT
     }
-}
-
-/// A block of up to eight triangles.
-fn block(members: &[u32], triangles: &[[[f64; 3]; 3]], center: DVec3) -> BlockRecord {
-    let mut block = BlockRecord::EMPTY;
-    for (lane, &t) in members.iter().enumerate() {
-        block.put(lane, t, triangles[t as usize].map(DVec3::from), center);
-    }
-    block
 }
 
 /// A binary tree of halves along the longest axis: never deeper than the logarithm of the number of triangles.
@@ -318,18 +302,12 @@ mod tests {
             })
             .collect();
         let binary = halves(&rounded);
-        let shallow = Collapse {
-            binary: &binary,
-            triangles: &triangles,
-            center: DVec3::ZERO,
-            slack: 1e-6,
-            out: Hierarchy::default(),
-        };
+        let shallow = Collapse { binary: &binary, slack: 1e-6, out: Hierarchy::default() };
         assert!(shallow.run().depth <= 12);
     }
 
     #[test]
-    fn every_triangle_is_in_a_block_and_every_box_holds_its_triangles() {
+    fn every_triangle_is_in_a_leaf_and_every_box_holds_its_triangles() {
         let triangles: Vec<[[f64; 3]; 3]> = (0..500)
             .map(|i| {
                 let at = |k: i32| f64::from((i * 7919 + k * 104_729) % 1000) / 10.0;
@@ -338,12 +316,8 @@ mod tests {
             .collect();
         let hierarchy = build(&triangles, [50.0; 3], 1e-4);
         let mut found = vec![false; triangles.len()];
-        for block in &hierarchy.blocks {
-            for lane in 0..LANES {
-                if block.triangle[lane] != NONE {
-                    found[block.triangle[lane] as usize] = true;
-                }
-            }
+        for &triangle in hierarchy.leaves.iter().flatten() {
+            found[triangle as usize] = true;
         }
         assert!(found.iter().all(|&f| f));
     }

@@ -90,7 +90,7 @@ impl Assign<'_> {
         let scene = &tables.scene[0];
         let local =
             |v: u32| to_lattice(tables.vertices[v as usize], scene.lattice_origin, scene.lattice_turn);
-        let corners = tables.triangles[triangle as usize].vertices.map(local);
+        let corners = tables.triangles[triangle as usize].map(local);
         let [mut lo, mut hi] = [corners[0]; 2];
         for p in corners {
             lo = [0, 1, 2].map(|i| lo[i].min(p[i]));

@@ -179,10 +179,10 @@ impl Writer<'_> {
         let triangles = &mut self.tables.triangles[first..];
         if measure < 0.0 {
             // All of it inside out: from here on triangles look out of the matter, also into cavities.
-            triangles.iter_mut().for_each(|t| t.vertices.swap(1, 2));
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
             turned += triangles.len() as u64;
         }
-        let mut corners = triangles.iter().flat_map(|t| t.vertices).map(|v| self.tables.vertices[v as usize]);
+        let mut corners = triangles.iter().flatten().map(|&v| self.tables.vertices[v as usize]);
         let start = corners.next().unwrap_or_default();
         let bounds = corners.fold([start; 2], |[lo, hi], p| {
             [[0, 1, 2].map(|axis| lo[axis].min(p[axis])), [0, 1, 2].map(|axis| hi[axis].max(p[axis]))]
@@ -215,7 +215,7 @@ impl Writer<'_> {
             });
             self.places[t as usize] = self.tables.triangles.len() as u32;
             let material = mesh.materials[t as usize].0;
-            self.tables.triangles.push(TriangleRecord { vertices, element: self.number, material, volume });
+            self.tables.push(TriangleRecord { vertices, element: self.number, material, volume });
         }
     }
 }

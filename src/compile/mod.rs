@@ -7,6 +7,7 @@
 mod building;
 mod bvh;
 mod cell_grid;
+mod compact;
 mod detail;
 mod geometry;
 mod locator;
@@ -26,8 +27,8 @@ use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
 use crate::derive::{self, DeriveOptions};
 use crate::format::records::{
-    BlockRecord, CameraRecord, LightRecord, MaterialRecord, NodeRecord, SceneRecord, SourceRecord, Traits,
-    TriangleRecord, VolumeRecord,
+    CameraRecord, Leaf, LightRecord, MaterialRecord, NodeRecord, RunRecord, SceneRecord, SourceRecord,
+    Traits, VolumeRecord,
 };
 use crate::format::{MapTables, Tables};
 use crate::partition::cells::Partition;
@@ -36,6 +37,7 @@ use crate::scene::Scene;
 use crate::trace::NONE;
 use crate::validate::Validated;
 
+pub use compact::Graph;
 pub use report::{Count, Repair, Report, RoleCount, Stage};
 
 /// How to compile.
@@ -230,7 +232,7 @@ fn compile_tables(
     run.budget.take_items(
         count,
         // A volume has at least four triangles.
-        3 * 24 + size_of::<TriangleRecord>() + 4 * 16 + size_of::<VolumeRecord>() / 4,
+        3 * 24 + size_of::<[u32; 3]>() + size_of::<RunRecord>() + 4 * 16 + size_of::<VolumeRecord>() / 4,
         "the triangles of the scene",
     )?;
 
@@ -267,7 +269,7 @@ fn compile_tables(
     let counted = add_detail(&mut run, partition, &gathered, zone, faces, &mut tables)?;
 
     let locator = run.stage("locator", || {
-        let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
+        let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
         locator::build(&tables.volumes, &corners)
     })?;
 
@@ -326,7 +328,7 @@ struct Counted {
     depth: u32,
 }
 
-/// Fills the sections `cellgrid`, `gridcells`, `nodes` and `blocks`, and the roots of `cells` and `sources`. `faces` are the
+/// Fills the sections `cellgrid`, `gridcells`, `nodes` and `leaves`, and the roots of `cells` and `sources`. `faces` are the
 /// triangles behind faces of cells.
 fn add_detail(
     run: &mut Run<'_>,
@@ -370,7 +372,7 @@ fn add_detail(
     };
     // Faces of solids that are none of a cell's go through it, or along it.
     for &(cell, triangle) in &pairs {
-        let volume = tables.volumes.get(tables.triangles[triangle as usize].volume as usize);
+        let volume = tables.volumes.get(tables.record(triangle).volume as usize);
         if volume.is_some_and(|volume| volume.role == Role::Solid as u32) {
             tables.cells[cell as usize].flags = 0;
         }
@@ -378,7 +380,8 @@ fn add_detail(
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     run.budget.take_items(
         pairs.len() as u64 + all,
-        2 * 160 + size_of::<BlockRecord>() / 2 + size_of::<NodeRecord>() / 8,
+        // Building one, a leaf of its own, and at most a node for four triangles.
+        2 * 160 + 32 + size_of::<NodeRecord>() / 4,
         "the hierarchies of boxes",
     )?;
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
@@ -397,7 +400,7 @@ fn add_detail(
         });
         let jobs: Vec<(Owner, Vec<u32>)> = all.into_iter().chain(cells).chain(sources).collect();
         let build = |(owner, ids): (Owner, Vec<u32>)| {
-            let corners = |t: u32| tables.triangles[t as usize].vertices.map(|v| tables.vertices[v as usize]);
+            let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();
             (owner, bvh::build(&corners, center, slack), ids)
         };
@@ -419,6 +422,13 @@ fn add_detail(
         }
         depth
     })?;
+    if tables.leaves.len() > Leaf::MOST {
+        let what = format!(
+            "the hierarchies of boxes have {} leaves' triangles, more than the format can count",
+            tables.leaves.len()
+        );
+        return Err(CompileError::TooLarge(what));
+    }
     let scene = &mut tables.scene[0];
     (scene.grid_step, scene.grid_dims) = (grid.step, grid.dims);
     (tables.cellgrid, tables.gridcells) = (grid.starts, grid.items);
@@ -504,8 +514,7 @@ fn traits(model: &Model, tables: &Tables) -> Traits {
     const MIRROR_ROUGHNESS: f32 = 0.05;
     let used = |test: &dyn Fn(&MaterialRecord) -> bool| {
         let hits: Vec<bool> = tables.materials.iter().map(test).collect();
-        let detail = tables.triangles.iter();
-        detail.into_iter().any(|t| hits[t.material as usize])
+        tables.runs.iter().any(|run| hits[run.material as usize])
     };
     let mut storeys: Vec<&str> = model.elements.iter().filter_map(|e| e.storey.as_deref()).collect();
     storeys.sort_unstable();

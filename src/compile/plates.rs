@@ -100,7 +100,7 @@ impl Lists {
 }
 
 fn corners(tables: &Tables, triangle: u32) -> [DVec3; 3] {
-    tables.triangles[triangle as usize].vertices.map(|v| DVec3::from(tables.vertices[v as usize]))
+    tables.triangles[triangle as usize].map(|v| DVec3::from(tables.vertices[v as usize]))
 }
 
 /// What rays can meet at a part of a cell's surface; `None` if it is not between air and matter, or its triangles lie in no one plane
@@ -143,7 +143,7 @@ fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Opti
         // Hardly wider than its border, or bare.
         return None;
     }
-    let looks = |t: u32| (tables.triangles[t as usize].element, tables.triangles[t as usize].material);
+    let looks = |t: u32| (tables.record(t).element, tables.record(t).material);
     let is_one = kept.iter().all(|&(t, _)| looks(t) == looks(largest.1));
     let is_plain = is_air && is_one && cover(shrunk(BLURRED), kept.iter().map(|(_, corners)| corners));
     Some(Found { at: part.at, triangles: kept.iter().map(|&(t, _)| t).collect(), plane: largest.1, is_plain })
@@ -215,7 +215,7 @@ mod tests {
             let first = 3 * i as u32;
             tables.vertices.extend(corners.map(|[x, y]| [x, y, 1.0]));
             let vertices = [first, first + 1, first + 2];
-            tables.triangles.push(TriangleRecord { vertices, element: 0, material: 0, volume: NONE });
+            tables.push(TriangleRecord { vertices, element: 0, material: 0, volume: NONE });
             tables.surfaces.push(i as u32);
         }
         tables.sources.push(SourceRecord { first: 0, count: triangles.len() as u32, root: NONE, plane: 0 });

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use enfilade_importers::{Frame, Model, Role, TagSource};
 use serde::Serialize;
 
+use super::compact::Graph;
 use super::geometry::Gathered;
 use super::{CompileOptions, Counted};
 use crate::derive::{DeriveOptions, DeriveReport};
@@ -49,6 +50,8 @@ pub struct Report {
     pub rooms: u64,
     /// Cells.
     pub cells: u64,
+    /// How many prisms, sections and faces they are; `None` if there are no prisms.
+    pub graph: Option<Graph>,
     /// Closed components that carve.
     pub solid_components: u64,
     /// Components of solid elements that are open, and stay detail.
@@ -220,6 +223,7 @@ pub(super) fn make(
         elements: tables.elements.len() as u64,
         rooms: tables.rooms.len() as u64,
         cells: tables.cells.len() as u64,
+        graph: Graph::of(tables),
         solid_components: gathered.solids,
         open_solid_components: gathered.open_solids,
         repairs: vec![Repair {

@@ -39,7 +39,7 @@ pub struct SceneRecord {
     pub up: u32,
     /// What the scene holds, see [`Traits`].
     pub traits: u32,
-    /// Triangles that rays can meet: the first so many of the section `triangles`.
+    /// Triangles that rays can meet: the first so many.
     pub detail_triangles: u32,
     /// Slack of the f32 kernels, metres: boxes are inflated by it, triangles nearer to a ray are tested in f64.
     pub slack: f32,
@@ -119,7 +119,7 @@ pub struct ElementRecord {
     pub semantic: u32,
     /// Number of the role of its first component.
     pub role: u32,
-    /// First of its triangles in the section `triangles`.
+    /// First of its triangles.
     pub first_triangle: u32,
     /// How many.
     pub triangle_count: u32,
@@ -172,7 +172,7 @@ pub struct CellRecord {
     pub element: u32,
     /// Its room, or none.
     pub room: u32,
-    /// The root of its detail: a node of the section `nodes`, or with the top bit set a block; or none.
+    /// The root of its detail: a node of the section `nodes` or a [`Leaf`]; or none.
     pub root: u32,
     /// The plane of its floor, or none.
     pub floor: u32,
@@ -342,11 +342,10 @@ pub struct CameraRecord {
     pub name: Text,
 }
 
-/// Section `triangles`: first those that rays can meet, then those of air labels; each group in the order of its
-/// elements, of an element its closed components first. Triangles of closed components that disagree about the outside
-/// are turned outward.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
+/// A triangle: its corners from the section `triangles`, all else from the section `runs`. In that order come first those that
+/// rays can meet, then those of air labels; each group in the order of its elements, of an element its closed components first.
+/// Triangles of closed components that disagree about the outside are turned outward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TriangleRecord {
     /// Indices into the section `vertices`.
     pub vertices: [u32; 3],
@@ -356,6 +355,34 @@ pub struct TriangleRecord {
     pub material: u32,
     /// The volume whose boundary it is, as index into the section `volumes`, or none.
     pub volume: u32,
+}
+
+/// Section `runs`: triangles that follow each other, up to the next run's first, of one element, material and volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RunRecord {
+    /// Its first triangle; 0 in the first run.
+    pub first: u32,
+    /// As [`TriangleRecord::element`].
+    pub element: u32,
+    /// As [`TriangleRecord::material`].
+    pub material: u32,
+    /// As [`TriangleRecord::volume`].
+    pub volume: u32,
+}
+
+impl RunRecord {
+    /// The run that begins with a triangle.
+    pub(crate) fn from(first: u32, triangle: &TriangleRecord) -> RunRecord {
+        let TriangleRecord { element, material, volume, .. } = *triangle;
+        RunRecord { first, element, material, volume }
+    }
+
+    /// One of its triangles.
+    #[inline(always)]
+    pub(crate) fn of(self, vertices: [u32; 3]) -> TriangleRecord {
+        TriangleRecord { vertices, element: self.element, material: self.material, volume: self.volume }
+    }
 }
 
 /// Section `volumes`: what closed shells of an element bound, that carves (solids) or labels air. All shells whose
@@ -381,7 +408,7 @@ pub struct VolumeRecord {
     pub room: u32,
 }
 
-/// Lanes of a node and of a block.
+/// Lanes of a node, and the most triangles of a leaf.
 pub const LANES: usize = 8;
 
 /// Section `nodes`: an inner node of the hierarchy of boxes, eight children wide, coordinates relative to the
@@ -393,10 +420,8 @@ pub struct NodeRecord {
     pub lo: [[f32; LANES]; 3],
     /// Upper bounds of the children: x, y, z.
     pub hi: [[f32; LANES]; 3],
-    /// A node (after this one), or with the top bit set a block; `u32::MAX` for no child, whose box is inside out.
+    /// A node (after this one) or a [`Leaf`]; `u32::MAX` for no child, whose box is inside out.
     pub child: [u32; LANES],
-    /// Zero.
-    pub reserved: [u32; LANES],
 }
 
 impl NodeRecord {
@@ -405,7 +430,6 @@ impl NodeRecord {
         lo: [[f32::INFINITY; LANES]; 3],
         hi: [[f32::NEG_INFINITY; LANES]; 3],
         child: [u32::MAX; LANES],
-        reserved: [0; LANES],
     };
 
     /// Makes `child` the child in `lane`; `bounds` are the box around its triangles, whose corners were rounded to f32.
@@ -418,10 +442,67 @@ impl NodeRecord {
     }
 }
 
-/// The bit of [`NodeRecord::child`] that marks a block.
-pub const BLOCK_BIT: u32 = 1 << 31;
+/// Some items of the section `leaves`, one to eight, all of them in one group of eight: what a [`NodeRecord::child`] or root with
+/// [`Leaf::BIT`] stands for. The next three bits are how many, less one; the others the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf(u32);
 
-/// Section `blocks`: up to eight triangles in f32, relative to the scene's center; lanes without one hold NaN.
+impl Leaf {
+    /// The bit of a link that marks a leaf.
+    pub const BIT: u32 = 1 << 31;
+    const COUNT: u32 = 28;
+    /// No more items than this are in the section `leaves`: half of what links can count, the other half is for what is added at
+    /// run time.
+    pub(crate) const MOST: usize = 1 << 27;
+
+    /// What `link` stands for, which has [`Leaf::BIT`].
+    #[inline(always)]
+    pub(crate) fn new(link: u32) -> Leaf {
+        debug_assert!(link & Leaf::BIT != 0);
+        Leaf(link)
+    }
+
+    /// The link of `count` items from `first` on.
+    #[inline(always)]
+    pub(crate) fn link(first: usize, count: usize) -> u32 {
+        debug_assert!(count > 0 && first % LANES + count <= LANES && first >> Leaf::COUNT == 0);
+        Leaf::BIT | (count as u32 - 1) << Leaf::COUNT | first as u32
+    }
+
+    /// Its first item.
+    #[inline(always)]
+    pub fn first(self) -> usize {
+        (self.0 & ((1 << Leaf::COUNT) - 1)) as usize
+    }
+
+    /// How many items.
+    #[inline(always)]
+    pub fn count(self) -> usize {
+        (self.0 >> Leaf::COUNT & 7) as usize + 1
+    }
+
+    /// Its group of eight.
+    #[inline(always)]
+    pub(crate) fn block(self) -> usize {
+        self.first() / LANES
+    }
+
+    /// Its items' places in their group.
+    #[inline(always)]
+    pub(crate) fn lanes(self) -> std::ops::Range<usize> {
+        let start = self.first() % LANES;
+        start..start + self.count()
+    }
+
+    /// The same, place i as bit i.
+    #[inline(always)]
+    pub(crate) fn mask(self) -> u32 {
+        ((2 << (self.0 >> Leaf::COUNT & 7)) - 1) << (self.0 & (LANES as u32 - 1))
+    }
+}
+
+/// Eight items of the section `leaves`: triangles in f32, relative to the scene's center; lanes without one hold NaN. Made when a
+/// scene is opened.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BlockRecord {
@@ -485,9 +566,20 @@ mod tests {
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);
-        assert_eq!(size_of::<TriangleRecord>(), 24);
+        assert_eq!(size_of::<RunRecord>(), 16);
         assert_eq!(size_of::<VolumeRecord>(), 80);
-        assert_eq!(size_of::<NodeRecord>(), 256);
-        assert_eq!(size_of::<BlockRecord>(), 320);
+        assert_eq!(size_of::<NodeRecord>(), 224);
+    }
+
+    #[test]
+    fn leaves_are_told_by_their_links() {
+        for (first, count) in [(0, 1), (0, 8), (5, 3), (8, 8), (Leaf::MOST * 2 - 8, 8), (Leaf::MOST - 1, 1)] {
+            let link = Leaf::link(first, count);
+            assert!(link & Leaf::BIT != 0 && link != u32::MAX);
+            let leaf = Leaf::new(link);
+            assert_eq!((leaf.first(), leaf.count(), leaf.block()), (first, count, first / 8));
+            assert_eq!(leaf.lanes(), first % 8..first % 8 + count);
+            assert_eq!(leaf.mask(), leaf.lanes().map(|lane| 1 << lane).sum::<u32>());
+        }
     }
 }

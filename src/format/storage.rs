@@ -82,7 +82,7 @@ pub struct View<T> {
 #[derive(Clone)]
 enum Keeper<T> {
     Storage(#[allow(dead_code)] Arc<Storage>),
-    Own(Vec<T>),
+    Own(Arc<Vec<T>>),
 }
 
 impl<T: Pod> View<T> {
@@ -102,14 +102,16 @@ impl<T: Pod> View<T> {
     /// Items of its own: the others stay as they are in the storage.
     pub fn own(items: Vec<T>) -> View<T> {
         // Moving a vector does not move its items.
-        View { items: items.as_ptr(), len: items.len(), keeper: Keeper::Own(items) }
+        View { items: items.as_ptr(), len: items.len(), keeper: Keeper::Own(Arc::new(items)) }
     }
 
     /// Changes the items, which are copied out of the storage beforehand.
     pub fn edit<R>(&mut self, change: impl FnOnce(&mut Vec<T>) -> R) -> R {
         let empty = View::own(Vec::new());
         let mut items = match std::mem::replace(self, empty) {
-            View { keeper: Keeper::Own(items), .. } => items,
+            View { keeper: Keeper::Own(items), .. } => {
+                Arc::try_unwrap(items).unwrap_or_else(|shared| shared.to_vec())
+            }
             stored => stored.to_vec(),
         };
         let result = change(&mut items);
@@ -120,10 +122,7 @@ impl<T: Pod> View<T> {
 
 impl<T: Pod> Clone for View<T> {
     fn clone(&self) -> View<T> {
-        match &self.keeper {
-            Keeper::Storage(_) => View { items: self.items, len: self.len, keeper: self.keeper.clone() },
-            Keeper::Own(items) => View::own(items.clone()),
-        }
+        View { items: self.items, len: self.len, keeper: self.keeper.clone() }
     }
 }
 
@@ -132,8 +131,8 @@ impl<T> Deref for View<T> {
 
     fn deref(&self) -> &[T] {
         // SAFETY: `items` and `len` are those of a slice that `keeper` keeps: into the bytes of a storage, which are never
-        // moved, changed or freed while the reference count that `self` holds is alive; or of a vector that nothing
-        // touches before `self` is replaced or dropped. The slice's lifetime is that of `&self`.
+        // moved, changed or freed while the reference count that `self` holds is alive; or of a vector, of which the same is
+        // true: only who holds the last reference takes it out. The slice's lifetime is that of `&self`.
         unsafe { std::slice::from_raw_parts(self.items, self.len) }
     }
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 use enfilade_importers::{Role, Semantic};
+use glam::DVec3;
 
 use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
-    BLOCK_BIT, BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES,
-    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, SceneRecord, SideRecord, SourceRecord,
+    BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES, Leaf, LightRecord,
+    MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, RunRecord, SceneRecord, SideRecord, SourceRecord,
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
@@ -82,8 +83,8 @@ sections! {
     /// The tables of a scene that is being compiled.
     Tables,
     /// The tables of an opened scene, in place.
-    Views, required: true, also map: MapTables, MapViews, derived steps: Step, derived plates: Plate,
-    derived parts: Part;
+    Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
+    derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived parts: Part;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -120,12 +121,14 @@ sections! {
     cameras: CameraRecord;
     /// Vertices, internal frame, metres.
     vertices: [f64; 3];
-    /// Triangles.
-    triangles: TriangleRecord;
+    /// Corners of triangles.
+    triangles: [u32; 3];
+    /// What else is known of triangles.
+    runs: RunRecord;
     /// Inner nodes of the hierarchies of boxes.
     nodes: NodeRecord;
-    /// Their leaves.
-    blocks: BlockRecord;
+    /// Triangles of their leaves, or none.
+    leaves: u32;
     /// Closed components.
     volumes: VolumeRecord;
     /// For each cube of the locator (x fastest) the first of its items, and the end of the last.
@@ -183,6 +186,33 @@ impl Tables {
         container::write(&self.sections())
     }
 
+    /// A triangle.
+    #[inline]
+    pub fn record(&self, triangle: u32) -> TriangleRecord {
+        let after = self.runs.partition_point(|run| run.first <= triangle);
+        self.runs[after - 1].of(self.triangles[triangle as usize])
+    }
+
+    /// Adds a triangle.
+    pub fn push(&mut self, triangle: TriangleRecord) {
+        let run = RunRecord::from(self.triangles.len() as u32, &triangle);
+        if self.runs.last().is_none_or(|last| RunRecord { first: last.first, ..run } != *last) {
+            self.runs.push(run);
+        }
+        self.triangles.push(triangle.vertices);
+    }
+
+    /// Adds a leaf of these triangles, one to eight, and returns its link.
+    pub fn leaf(&mut self, triangles: impl ExactSizeIterator<Item = u32>) -> u32 {
+        let count = triangles.len();
+        if self.leaves.len() % LANES + count > LANES {
+            self.leaves.resize(self.leaves.len().next_multiple_of(LANES), NONE);
+        }
+        let first = self.leaves.len();
+        self.leaves.extend(triangles);
+        Leaf::link(first, count)
+    }
+
     /// Adds a text to the section `strings`.
     pub fn text(&mut self, text: &str) -> Text {
         let start = self.strings.len() as u32;
@@ -233,12 +263,48 @@ impl Views {
 
     /// What rays need of each cell and each source, side by side.
     fn derive(&mut self) {
+        self.run_of = View::own(self.runs_by_triangle());
+        self.blocks = View::own(self.groups());
         let prisms = Prisms::new(self);
         let mut parts = Vec::new();
         let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut parts)).collect();
         let plate = |plane: u32| plate_of(&self.triangles, &self.vertices, plane);
         let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
         (self.steps, self.parts, self.plates) = (View::own(steps), View::own(parts), View::own(plates));
+    }
+}
+
+impl Views {
+    /// A triangle.
+    #[inline]
+    pub(crate) fn record(&self, triangle: u32) -> TriangleRecord {
+        let triangle = triangle as usize;
+        self.runs[self.run_of[triangle] as usize].of(self.triangles[triangle])
+    }
+
+    /// The run of each triangle.
+    fn runs_by_triangle(&self) -> Vec<u32> {
+        let mut run_of = Vec::with_capacity(self.triangles.len());
+        let ends = self.runs.iter().skip(1).map(|run| run.first as usize).chain([self.triangles.len()]);
+        for (run, end) in (0..).zip(ends) {
+            run_of.resize(end, run);
+        }
+        run_of
+    }
+
+    /// Items of the section `leaves` by eights, as kernels read them.
+    fn groups(&self) -> Vec<BlockRecord> {
+        let center = DVec3::from(self.scene[0].center);
+        let group = |items: &[u32]| {
+            let mut block = BlockRecord::EMPTY;
+            for (lane, &triangle) in items.iter().enumerate().filter(|(_, triangle)| **triangle != NONE) {
+                let corners =
+                    self.triangles[triangle as usize].map(|v| DVec3::from(self.vertices[v as usize]));
+                block.put(lane, triangle, corners, center);
+            }
+            block
+        };
+        self.leaves.chunks(LANES).map(group).collect()
     }
 }
 
@@ -354,12 +420,19 @@ impl<'a> Check<'a> {
         if let Some(i) = v.vertices.iter().position(|p| !p.iter().all(|c| within(*c))) {
             return invalid("vertices", i, "not finite".to_owned());
         }
-        for (i, t) in v.triangles.iter().enumerate() {
-            let ok = t.vertices.iter().all(|&p| (p as usize) < v.vertices.len())
-                && (t.element as usize) < v.elements.len()
-                && (t.material as usize) < v.materials.len()
-                && (t.volume == NONE || (t.volume as usize) < v.volumes.len());
-            ensure(ok, "triangles", i, || format!("{t:?} refers to what is not there"))?;
+        for (i, corners) in v.triangles.iter().enumerate() {
+            let ok = corners.iter().all(|&p| (p as usize) < v.vertices.len());
+            ensure(ok, "triangles", i, || format!("{corners:?} are no vertices"))?;
+        }
+        let starts = v.runs.first().map(|run| run.first);
+        ensure(starts == v.triangles.first().map(|_| 0), "runs", 0, || format!("starts at {starts:?}"))?;
+        for (i, run) in v.runs.iter().enumerate() {
+            let end = v.runs.get(i + 1).map_or(v.triangles.len(), |next| next.first as usize);
+            let ok = (run.first as usize) < end
+                && (run.element as usize) < v.elements.len()
+                && (run.material as usize) < v.materials.len()
+                && (run.volume == NONE || (run.volume as usize) < v.volumes.len());
+            ensure(ok, "runs", i, || format!("{run:?} refers to what is not there"))?;
         }
         let detail = v.scene[0].detail_triangles as usize;
         ensure(detail <= v.triangles.len(), "scene", 0, || format!("{detail} detail triangles"))
@@ -413,17 +486,22 @@ impl<'a> Check<'a> {
         }
     }
 
+    /// Whether the items of a leaf are there, all in one group of eight.
+    fn is_leaf(&self, link: u32) -> bool {
+        let leaf = Leaf::new(link);
+        leaf.first() % LANES + leaf.count() <= LANES && leaf.first() + leaf.count() <= self.views.leaves.len()
+    }
+
     /// Every node but the roots is the child of exactly one node before it, and no chain is longer than the kernels'
     /// stacks allow: so every walk ends.
     fn hierarchy(&self) -> Result<(), FormatError> {
         let v = self.views;
         let mut depth = vec![0u32; v.nodes.len()];
-        let mut used = vec![false; v.blocks.len()];
         let cells = v.cells.iter().map(|c| c.root).enumerate().map(|(i, root)| ("cells", i, root));
         let sources = v.sources.iter().map(|s| s.root).enumerate().map(|(i, root)| ("sources", i, root));
         for (section, i, root) in cells.chain(sources).filter(|&(_, _, root)| root != NONE) {
-            let fresh = if root & BLOCK_BIT != 0 {
-                used.get_mut((root & !BLOCK_BIT) as usize).is_some_and(|u| !std::mem::replace(u, true))
+            let fresh = if root & Leaf::BIT != 0 {
+                self.is_leaf(root)
             } else {
                 depth.get_mut(root as usize).is_some_and(|d| std::mem::replace(d, 1) == 0)
             };
@@ -443,10 +521,8 @@ impl<'a> Check<'a> {
                 if child == NONE {
                     continue;
                 }
-                if child & BLOCK_BIT != 0 {
-                    let block = (child & !BLOCK_BIT) as usize;
-                    let fresh = used.get_mut(block).is_some_and(|u| !std::mem::replace(u, true));
-                    ensure(fresh, "nodes", i, || format!("block {block} is not there, or not its own"))?;
+                if child & Leaf::BIT != 0 {
+                    ensure(self.is_leaf(child), "nodes", i, || format!("leaf {child:#x} is not there"))?;
                 } else {
                     let fresh = child as usize > i && depth.get(child as usize) == Some(&0);
                     ensure(fresh, "nodes", i, || format!("child {child} is not there, or not its own"))?;
@@ -455,20 +531,13 @@ impl<'a> Check<'a> {
             }
         }
         let detail = v.scene[0].detail_triangles;
-        for (i, block) in v.blocks.iter().enumerate() {
-            for lane in 0..LANES {
-                let triangle = block.triangle[lane];
-                if triangle == NONE {
-                    let empty = block.corner[0][lane].is_nan() && block.edge1[0][lane].is_nan();
-                    ensure(empty && block.edge2[0][lane].is_nan(), "blocks", i, || {
-                        format!("lane {lane} is not empty")
-                    })?;
-                } else {
-                    ensure(triangle < detail, "blocks", i, || format!("triangle {triangle}"))?;
-                }
-            }
+        ensure(v.leaves.len() <= Leaf::MOST, "leaves", Leaf::MOST, || {
+            "more than links can count".to_owned()
+        })?;
+        match v.leaves.iter().position(|&triangle| triangle != NONE && triangle >= detail) {
+            Some(i) => invalid("leaves", i, format!("triangle {}", v.leaves[i])),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -154,7 +154,7 @@ fn shown(scene: &Scene, prisms: &Prisms<'_>, beyond: u32, source: u32) -> Option
     let body = prisms.cells[beyond as usize].element;
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
     for &triangle in prisms.triangles_of(source) {
-        let element = scene.tables.triangles[triangle as usize].element;
+        let element = scene.tables.record(triangle).element;
         if element == body {
             return Some(element);
         }

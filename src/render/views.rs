@@ -202,10 +202,11 @@ pub fn outside_view(scene: &Scene) -> Camera {
 /// the hull if there are none.
 fn for_each_corner(scene: &Scene, mut each: impl FnMut(DVec3)) {
     let is_site: Vec<bool> = scene.elements().map(|e| e.semantic() == Semantic::Site).collect();
-    let detail = &scene.tables.triangles[..scene.detail_triangle_count() as usize];
-    let is_all_site = detail.iter().all(|t| is_site[t.element as usize]);
-    for triangle in detail.iter().filter(|t| is_all_site || !is_site[t.element as usize]) {
-        triangle.vertices.iter().for_each(|&v| each(DVec3::from(scene.tables.vertices[v as usize])));
+    let detail = 0..scene.detail_triangle_count();
+    let is_of_site = |triangle: u32| is_site[scene.tables.record(triangle).element as usize];
+    let is_all_site = detail.clone().all(is_of_site);
+    for triangle in detail.clone().filter(|&triangle| is_all_site || !is_of_site(triangle)) {
+        scene.triangle(triangle).into_iter().for_each(|corner| each(DVec3::from(corner)));
     }
     if detail.is_empty() {
         let hull = scene.hull();

@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::NONE;
 use super::lanes::{Lanes, Wide};
 use super::walk::{EDGE_ON, Found, LEAST, Query, ROUNDING, STACK, Walk};
-use crate::format::records::{BLOCK_BIT, BlockRecord, LANES, NodeRecord, SceneRecord};
+use crate::format::records::{LANES, Leaf, NodeRecord, SceneRecord};
 
 /// Rays that start at their origins, with unit directions.
 pub(super) struct Herd<L: Lanes> {
@@ -146,8 +146,8 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         let mut stack = ArrayVec::<(u32, L), STACK>::new();
         let (mut current, mut rays) = (root, self.active);
         loop {
-            if current & BLOCK_BIT != 0 {
-                self.block::<ANY>((current & !BLOCK_BIT) as usize, rays);
+            if current & Leaf::BIT != 0 {
+                self.leaf::<ANY>(Leaf::new(current), rays);
                 if self.active == 0 {
                     return;
                 }
@@ -185,14 +185,14 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         }
     }
 
-    /// Looks at the triangles of a block: as `walk` does, in its `candidates`.
+    /// Looks at the triangles of a leaf: as `walk` does, in its `candidates`.
     #[inline(always)]
-    fn block<const ANY: bool>(&mut self, block: usize, rays: u32) {
-        let block: &BlockRecord = &self.walk.blocks[block];
+    fn leaf<const ANY: bool>(&mut self, leaf: Leaf, rays: u32) {
+        let block = &self.walk.blocks[leaf.block()];
         let slack = self.walk.scene.slack;
         let ([ox, oy, oz], [dx, dy, dz]) = (self.rounded.local, self.rounded.toward);
         let zero = L::splat(0.0);
-        for lane in 0..LANES {
+        for lane in leaf.lanes() {
             let triangle = block.triangle[lane];
             if triangle == NONE {
                 continue;

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::path::{BLURRED, Prisms, to_lattice};
-use crate::format::records::{CellRecord, LANES, TriangleRecord, VolumeRecord};
+use crate::format::records::{CellRecord, LANES, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -219,18 +219,13 @@ fn in_box(volume: &VolumeRecord, point: [f64; 3], margin: f64) -> bool {
 }
 
 /// Whether the closed `volume` holds `point`.
-fn holds(
-    volume: &VolumeRecord,
-    triangles: &[TriangleRecord],
-    vertices: &[[f64; 3]],
-    point: [f64; 3],
-) -> bool {
+fn holds(volume: &VolumeRecord, triangles: &[[u32; 3]], vertices: &[[f64; 3]], point: [f64; 3]) -> bool {
     if !in_box(volume, point, 0.0) {
         return false;
     }
     let start = volume.first_triangle as usize;
     let range = &triangles[start..start + volume.triangle_count as usize];
-    let crossings = crossings(range.iter().map(|t| t.vertices.map(|v| vertices[v as usize])), point);
+    let crossings = crossings(range.iter().map(|corners| corners.map(|v| vertices[v as usize])), point);
     if volume.by_winding == 1 { crossings.winding != 0 } else { crossings.count % 2 == 1 }
 }
 

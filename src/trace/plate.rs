@@ -4,7 +4,6 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use super::NONE;
-use crate::format::records::TriangleRecord;
 
 /// The plane of a source's triangles: `normal . p = offset`, internal frame, metres. Zeros where they lie in none.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -21,11 +20,11 @@ pub(crate) struct Plate {
 }
 
 /// The plane of a triangle; zeros for none.
-pub(crate) fn plate_of(triangles: &[TriangleRecord], vertices: &[[f64; 3]], triangle: u32) -> Plate {
-    let Some(record) = triangles.get(triangle as usize) else {
+pub(crate) fn plate_of(triangles: &[[u32; 3]], vertices: &[[f64; 3]], triangle: u32) -> Plate {
+    let Some(corners) = triangles.get(triangle as usize) else {
         return Plate { triangle: NONE, ..Plate::zeroed() };
     };
-    let [a, b, c] = record.vertices.map(|v| DVec3::from(vertices[v as usize]));
+    let [a, b, c] = corners.map(|v| DVec3::from(vertices[v as usize]));
     let normal = (b - a).cross(c - a).normalize_or_zero();
     Plate { normal: normal.to_array(), offset: normal.dot(a), triangle, reserved: 0 }
 }

@@ -20,7 +20,7 @@ use super::ray::Ray;
 use super::step::Step;
 use super::walk::{Found, Query, Walk, inverse};
 use crate::format::Views;
-use crate::format::records::{BLOCK_BIT, CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, LANES, Leaf, PLAIN, SideRecord};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
 pub(super) const UNIT: f64 = 1e-14;
@@ -170,7 +170,7 @@ impl<'a> Way<'a> {
             if root != NONE {
                 let until = if t > exit.t { t } else { exit.t } + NEAR;
                 let until = if until < self.limit { until } else { self.limit };
-                if root & BLOCK_BIT != 0 || self.touches::<L>(root, until, probe) {
+                if root & Leaf::BIT != 0 || self.touches::<L>(root, until, probe) {
                     let found = self.detail(root, [0.0, until], probe);
                     let is_nearer = triangle == NONE || (found.t, found.triangle) < (t, triangle);
                     if found.triangle != NONE && is_nearer {

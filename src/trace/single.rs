@@ -268,7 +268,7 @@ impl Scene {
 
     #[inline]
     fn describe(&self, line: &Line, Ended { found, cell, .. }: Ended, want: Want) -> Hit {
-        let record = &self.tables.triangles[found.triangle as usize];
+        let record = self.tables.record(found.triangle);
         let [a, b, c] = each(record.vertices, |v| DVec3::from(self.tables.vertices[v as usize]));
         let normal = (b - a).cross(c - a);
         let size = normal.length();

@@ -13,9 +13,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::lanes::{Lanes, Mask};
-use crate::format::records::{
-    BLOCK_BIT, BlockRecord, LANES, NodeRecord, SceneRecord, TriangleRecord, VolumeRecord,
-};
+use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord, RunRecord, SceneRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
 
 /// Room for the children that wait while one is visited, at every level of any hierarchy: a file's, under the node that
@@ -41,7 +39,9 @@ pub(super) fn inverse(direction: [f32; 3]) -> [f32; 3] {
 pub(super) struct Walk<'a> {
     pub(super) nodes: &'a [NodeRecord],
     pub(super) blocks: &'a [BlockRecord],
-    triangles: &'a [TriangleRecord],
+    triangles: &'a [[u32; 3]],
+    runs: &'a [RunRecord],
+    run_of: &'a [u32],
     vertices: &'a [[f64; 3]],
     volumes: &'a [VolumeRecord],
     pub(super) scene: &'a SceneRecord,
@@ -51,7 +51,7 @@ impl<'a> Walk<'a> {
     /// The corners of a triangle.
     #[inline(always)]
     pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
-        each(self.triangles[triangle as usize].vertices, |v| DVec3::from(self.vertices[v as usize]))
+        each(self.triangles[triangle as usize], |v| DVec3::from(self.vertices[v as usize]))
     }
 
     /// Whether a ray along `direction` comes to the triangle from the side that `outward` comes from.
@@ -68,6 +68,8 @@ impl<'a> Walk<'a> {
             nodes: &tables.nodes,
             blocks: &tables.blocks,
             triangles: &tables.triangles,
+            runs: &tables.runs,
+            run_of: &tables.run_of,
             vertices: &tables.vertices,
             volumes: &tables.volumes,
             scene: &tables.scene[0],
@@ -158,8 +160,7 @@ impl Query {
     /// Decides in f64 whether the ray meets the triangle nearer than `best`.
     #[inline(always)]
     pub(super) fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
-        let record = &walk.triangles[index as usize];
-        let corners = each(record.vertices, |v| walk.vertices[v as usize]);
+        let corners = each(walk.triangles[index as usize], |v| walk.vertices[v as usize]);
         let d = self.direction.to_array();
         let size = each(d, f64::abs);
         // Two axes across the ray and the one along which it mostly runs.
@@ -207,7 +208,7 @@ impl Query {
             return false;
         }
         if let Some(surface) = &self.surface
-            && !self.counts(walk, surface, record, corners, index, t)
+            && !self.counts(walk, surface, corners, index, t)
         {
             return false;
         }
@@ -260,15 +261,7 @@ impl Query {
 
     /// Whether a hit counts for a ray that starts on a surface. Where it starts in an edge, rounding may have put its
     /// origin behind the other side of that edge: what it enters there it meets, and what it leaves it does not.
-    fn counts(
-        &self,
-        walk: &Walk<'_>,
-        surface: &Surface,
-        record: &TriangleRecord,
-        corners: [[f64; 3]; 3],
-        index: u32,
-        t: f64,
-    ) -> bool {
+    fn counts(&self, walk: &Walk<'_>, surface: &Surface, corners: [[f64; 3]; 3], index: u32, t: f64) -> bool {
         if index == surface.triangle {
             return false;
         }
@@ -281,7 +274,8 @@ impl Query {
         if normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size {
             return false;
         }
-        match walk.volumes.get(record.volume as usize) {
+        let volume = walk.runs[walk.run_of[index as usize] as usize].volume;
+        match walk.volumes.get(volume as usize) {
             Some(volume)
                 if volume.role == enfilade_importers::Role::Solid as u32 && volume.by_winding == 1 =>
             {
@@ -326,7 +320,7 @@ impl Side {
 pub(super) trait Count {
     /// A node was opened: eight boxes.
     fn node(&mut self);
-    /// A block was opened: up to eight triangles, in f32.
+    /// A leaf was opened: up to eight triangles, in f32.
     fn block(&mut self);
     /// A triangle was tested in f64.
     fn test(&mut self);
@@ -362,7 +356,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
     let entered = each(query.inverse, |d| usize::from(d < 0.0));
     let mut current = query.root;
     loop {
-        if current & BLOCK_BIT == 0 {
+        if current & Leaf::BIT == 0 {
             count.node();
             let node = &walk.nodes[current as usize];
             let sides = [&node.lo, &node.hi];
@@ -405,9 +399,10 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
             }
         } else {
             count.block();
-            let block = &walk.blocks[(current & !BLOCK_BIT) as usize];
+            let leaf = Leaf::new(current);
+            let block = &walk.blocks[leaf.block()];
             let found = candidates::<L>(block, query, limit, slack);
-            let mut lanes = L::bits(found.met);
+            let mut lanes = L::bits(found.met) & leaf.mask();
             if lanes != 0 {
                 let t = found.t.store();
                 while lanes != 0 {
@@ -443,7 +438,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
     }
 }
 
-/// The lanes of a block whose triangle the ray may meet before `limit`: all that it meets, and those that it misses
+/// The lanes of a group whose triangle the ray may meet before `limit`: all that it meets, and those that it misses
 /// by less than the slack. After Moeller and Trumbore (Fast, Minimum Storage Ray/Triangle Intersection, 1997), with an
 /// error bound on each side: |e| times the slack bounds the error of u and v, |e1||e2| times it that of t.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! Detail of the cells in which rays are.
 
 use super::Packet;
-use crate::format::records::{BLOCK_BIT, LANES, NodeRecord};
+use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 use crate::trace::herd::{Herd, Nearest, Rounded, together};
 use crate::trace::kernel::Probe;
@@ -46,7 +46,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
                 continue;
             }
             let until = f64::from(until[lane]) * (1.0 + 1e-6) + NEAR;
-            let is_touched = root & BLOCK_BIT != 0
+            let is_touched = root & Leaf::BIT != 0
                 || self.way(lane).is_some_and(|way| way.touches::<L>(root, until, probe));
             touched |= u32::from(is_touched) << lane;
         }
@@ -58,7 +58,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
     pub(super) fn touched_one(&self, root: u32, until: L) -> u32 {
         match root {
             NONE => 0,
-            root if root & BLOCK_BIT != 0 => self.under_way,
+            root if root & Leaf::BIT != 0 => self.under_way,
             root => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
         }
     }
