@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use enfilade::generate::{
-    Building as Generated, HouseOptions, OfficeOptions, TowerOptions, build1, build2, build3, house, random,
-    tower,
+    Building as Generated, HouseOptions, OfficeOptions, RoundRoomOptions, TowerOptions, build1, build2,
+    build3, house, random, round_room, tower,
 };
 
 use super::failure::{Failure, Outcome};
@@ -56,6 +56,11 @@ enum Building {
         /// How many storeys.
         #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=TowerOptions::MOST_STOREYS as i64))]
         storeys: u16,
+    },
+    /// One room with round walls of 64 facets, as in Fig. 10 of the paper.
+    RoundRoom {
+        #[command(flatten)]
+        common: Common,
     },
     /// A building of one to four storeys, one wing or two, that follows from the seed.
     Random {
@@ -116,6 +121,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             options.storeys = usize::from(*storeys);
             options.office = common.office();
             (common, tower(&options))
+        }
+        Building::RoundRoom { common } => {
+            let mut options = RoundRoomOptions::default();
+            options.seed = common.seed;
+            (common, round_room(&options))
         }
         Building::Random { common } => (common, random(&common.office())),
     };

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use enfilade::derive::DeriveOptions;
 use enfilade::importers::tagging::Rules;
 use enfilade::importers::{ImportOptions, Limits, Model, Untagged, UpAxis, Watch, import};
-use enfilade::partition::PartitionOptions;
+use enfilade::partition::{Convexification, PartitionOptions};
 use enfilade::{CompileOptions, Compiled, Scene, compile};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -68,6 +68,25 @@ pub struct Reading {
     /// Leave the space one cell, instead of cutting it into convex cells (docs/PARTITION.md): as right, smaller.
     #[arg(long)]
     pub no_cells: bool,
+    /// How rooms that are not convex are cut: by the expected cost of rays, or by diagonals alone, the base line of the paper.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Convexify::Cost)]
+    pub convexification: Convexify,
+}
+
+/// What `--convexification` says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Convexify {
+    Cost,
+    Diagonals,
+}
+
+impl Convexify {
+    fn how(self) -> Convexification {
+        match self {
+            Convexify::Cost => Convexification::Cost,
+            Convexify::Diagonals => Convexification::Diagonals,
+        }
+    }
 }
 
 /// What `--up` says: an axis of the model, or for `render` what is up in the picture.
@@ -257,6 +276,7 @@ impl Reading {
         let mut options = CompileOptions::default();
         options.tolerance = self.tolerance;
         options.cells = !self.no_cells;
+        options.convexification = self.convexification.how();
         options.derive = self.derive_options();
         options.untagged = self.untagged.untagged();
         options.limits = resources.limits();
@@ -282,6 +302,7 @@ impl Reading {
 
     pub fn partition_options(&self, resources: &Resources) -> PartitionOptions {
         PartitionOptions::default()
+            .with_convexification(self.convexification.how())
             .with_untagged(self.untagged.untagged())
             .with_limits(resources.limits())
             .with_watch(resources.watch())

@@ -32,7 +32,7 @@ use crate::format::records::{
 };
 use crate::format::{MapTables, Tables};
 use crate::partition::cells::Partition;
-use crate::partition::{PartitionError, PartitionOptions, partition};
+use crate::partition::{Convexification, PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
 use crate::trace::NONE;
 use crate::validate::Validated;
@@ -50,6 +50,8 @@ pub struct CompileOptions {
     pub untagged: Untagged,
     /// Whether to cut the space into cells (default), or to leave it one cell with all triangles. Both give right answers.
     pub cells: bool,
+    /// How space that is not convex is cut into cells.
+    pub convexification: Convexification,
     /// What to find in the building that the model does not say.
     pub derive: DeriveOptions,
     /// Whether the file keeps the map of the building ([`Scene::building`]), so that it can be validated without the model.
@@ -67,6 +69,7 @@ impl Default for CompileOptions {
             tolerance: 1e-3,
             untagged: Untagged::default(),
             cells: true,
+            convexification: Convexification::default(),
             derive: DeriveOptions::default(),
             topology: false,
             limits: Limits::default(),
@@ -79,6 +82,7 @@ impl CompileOptions {
     fn partition(&self) -> PartitionOptions {
         PartitionOptions::default()
             .with_untagged(self.untagged)
+            .with_convexification(self.convexification)
             .with_limits(self.limits)
             .with_watch(self.watch.clone())
     }

@@ -203,6 +203,7 @@ pub(super) fn make(
         source_hash: format!("{:016x}", model.source_hash),
         options: BTreeMap::from([
             ("cells", options.cells.to_string()),
+            ("convexification", format!("{:?}", options.convexification).to_lowercase()),
             ("tolerance", format!("{}", options.tolerance)),
             ("topology", options.topology.to_string()),
             ("untagged", untagged),

@@ -12,8 +12,13 @@
 //!
 //! "Best" is fewest parts, and among those the least total length of cuts: a ray that crosses a room crosses a cut
 //! as often as the cut is long, and slivers have long sides.
+//!
+//! Curved walls are put under hoods (`hoods`) where that lowers the expected cost of a ray ([`expected_cost`], the surface area heuristic of
+//! Goldsmith and Salmon 1987 as Maria, Horna and Aveneau use it, section 6.2.1). The base line that they compare with is in `diagonals`.
 
 mod best;
+mod diagonals;
+mod hoods;
 mod parts;
 mod patches;
 mod region;
@@ -44,6 +49,82 @@ pub enum RegionError {
     /// An edge crosses another or passes through a vertex, or the chains do not have the region on their left.
     #[error("the boundary of a region crosses itself or is turned about near ({}, {})", .0.x, .0.y)]
     Crossing(Point),
+}
+
+/// How regions are cut into convex parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Convexification {
+    /// By the expected cost of rays: few parts with short cuts between them, hoods over curved walls.
+    #[default]
+    Cost,
+    /// The base line that the paper compares with: by diagonals, one after the other, after Fernandez et al. (2008).
+    Diagonals,
+}
+
+/// Cuts a region, as [`convex_parts`] takes it. What is cut by cost may have new corners inside, which `points` gets; if it is not `hooded`, there
+/// are none.
+///
+/// # Errors
+/// As [`convex_parts`].
+pub fn cut(
+    loops: &[Vec<u32>],
+    points: &mut Vec<Point>,
+    how: Convexification,
+    hooded: bool,
+) -> Result<Vec<Vec<u32>>, RegionError> {
+    if how == Convexification::Diagonals {
+        let region = Region::new(loops, points)?;
+        let parts = diagonals::cut(&region)?;
+        let ids = |part: Vec<u32>| part.into_iter().map(|v| region.ids[v as usize]).collect();
+        return Ok(parts.into_iter().map(ids).collect());
+    }
+    let mut best = convex_parts(loops, points)?;
+    if !hooded || best.len() == 1 {
+        return Ok(best);
+    }
+    let mut least = expected_cost(&best, points);
+    let mut with = None;
+    for cosine in ANGLES {
+        let Some(hooded) = hoods::hooded(loops, points, cosine) else { continue };
+        let cut = |loops: &[Vec<u32>]| convex_parts(loops, &hooded.points);
+        let rest = cut(&hooded.chains);
+        let under = hooded.corners.into_iter().map(|corner| cut(&[corner]));
+        let Ok(parts) = std::iter::once(rest).chain(under).collect::<Result<Vec<_>, _>>() else { continue };
+        let parts = parts.concat();
+        let cost = expected_cost(&parts, &hooded.points);
+        if cost < least {
+            (best, least, with) = (parts, cost, Some(hooded.points));
+        }
+    }
+    if let Some(with) = with {
+        *points = with;
+    }
+    Ok(best)
+}
+
+/// By how much sides of a hood turn: cosines of 95, 60, 45 and 30 degrees.
+const ANGLES: [f64; 4] = [-0.09, 0.5, std::f64::consts::FRAC_1_SQRT_2, 0.866];
+
+/// What a random ray through a region may expect to pay, but for a factor: it crosses a convex part as often as that is long about (Cauchy and
+/// Crofton), and pays for a part's corners where they are more than kernels look at together.
+pub fn expected_cost(parts: &[Vec<u32>], points: &[Point]) -> f64 {
+    /// Corners that are looked at together.
+    const TOGETHER: usize = 8;
+    /// What one more costs, in crossings.
+    const MORE: f64 = 0.25;
+    let of_part = |part: &Vec<u32>| {
+        let n = part.len();
+        let at = |k: usize| points[part[k % n] as usize];
+        let turning = (0..n).filter(|&k| orient(at(k), at(k + 1), at(k + 2)) != 0).count();
+        let length = |k: usize| {
+            let (a, b) = (at(k), at(k + 1));
+            let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
+            (dx * dx + dy * dy).sqrt()
+        };
+        let about: f64 = (0..n).map(length).sum();
+        about * (1.0 + MORE * turning.saturating_sub(TOGETHER) as f64)
+    };
+    parts.iter().map(of_part).sum()
 }
 
 /// Cuts a region into exactly convex polygons.

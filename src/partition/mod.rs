@@ -59,6 +59,7 @@ use surfaces::SurfaceOptions;
 
 pub use bodies::NotCarved;
 pub(crate) use check::{check_frame, check_triangles};
+pub use convex::Convexification;
 pub use moved::Repair;
 pub use report::{PartitionReport, VoidPlace, kind, six_volume};
 
@@ -90,6 +91,8 @@ pub enum PartitionError {
 pub struct PartitionOptions {
     /// What to make of elements without a tag.
     pub untagged: Untagged,
+    /// How what is not convex is cut.
+    pub convexification: Convexification,
     /// What it may cost, beside the model itself.
     pub limits: Limits,
     /// Progress and cancellation.
@@ -100,6 +103,12 @@ impl PartitionOptions {
     /// The default, but for what is made of elements without a tag.
     pub fn with_untagged(mut self, untagged: Untagged) -> PartitionOptions {
         self.untagged = untagged;
+        self
+    }
+
+    /// The default, but for how what is not convex is cut.
+    pub fn with_convexification(mut self, how: Convexification) -> PartitionOptions {
+        self.convexification = how;
         self
     }
 
@@ -180,7 +189,8 @@ pub fn partition(
     let built = each(raw, |raw| {
         let levels = raw.levels;
         watch.check()?;
-        merge_slab(raw, &labels, &is_room, &lattice).map_err(|why| fail(levels, Failed::Because(why)))
+        merge_slab(raw, &labels, &is_room, &lattice, options.convexification)
+            .map_err(|why| fail(levels, Failed::Because(why)))
     })?;
     lap(&mut report, "merging")?;
     let mut slabs = Vec::with_capacity(built.len());
@@ -335,6 +345,7 @@ fn merge_slab(
     labels: &Labels,
     is_room: &(dyn Fn(cells::Label) -> bool + Sync),
     lattice: &crate::lattice::Lattice,
+    how: Convexification,
 ) -> Result<Merged, String> {
     let mut stacks = stacks::label(&raw.columns, labels, raw.plan.triangles.len());
     let joined = stacks::join_slivers(&raw.plan, &raw.columns, labels, lattice, is_room, &mut stacks);
@@ -345,7 +356,7 @@ fn merge_slab(
     let mut simple = regions::simplify(&raw.plan, stacks, lattice).map_err(|e| e.to_string())?;
     let unkinked = unkink::unkink(&mut simple);
     let displacement = raw.rounded.farthest + simple.straightened.farthest + unkinked.farthest;
-    let regions = regions::unite(&simple).map_err(|e| e.to_string())?;
+    let regions = regions::unite(&mut simple, how).map_err(|e| e.to_string())?;
     let slab = Built { simple, regions, planes: raw.columns.planes };
     Ok(Merged { slab, displacement, joined, pieces, unkinked })
 }

@@ -6,7 +6,8 @@
 
 use std::collections::HashMap;
 
-use super::convex::convex_parts;
+use super::cells::Label;
+use super::convex::{self, Convexification};
 use super::moved::Moved;
 use super::plan::{Conflict, NONE, Plan, triangulate};
 use super::stacks::{Item, Stacks};
@@ -156,8 +157,9 @@ impl Regions {
     }
 }
 
-/// Unites the items of neighbouring triangles into regions, and cuts those into prisms.
-pub(super) fn unite(simple: &Simple) -> Result<Regions, Conflict> {
+/// Unites the items of neighbouring triangles into regions, and cuts those into prisms. The plan gets the points that this needs.
+pub(super) fn unite(simple: &mut Simple, how: Convexification) -> Result<Regions, Conflict> {
+    let mut points = simple.plan.points.clone();
     let plan = &simple.plan;
     let stack = |t: u32| -> &[Item] { &simple.kinds[simple.kind[t as usize] as usize] };
     let mut starts = vec![0u32];
@@ -210,10 +212,12 @@ pub(super) fn unite(simple: &Simple) -> Result<Regions, Conflict> {
             }
             chains.push(chain);
         }
-        let parts = convex_parts(&chains, &plan.points).map_err(|_| Conflict)?;
+        let is_air = !matches!(regions.items[id].fill, Some(Label::Solid(_)));
+        let parts = convex::cut(&chains, &mut points, how, is_air).map_err(|_| Conflict)?;
         let prisms = parts.into_iter().map(|footprint| Prism { region: id as u32, footprint });
         regions.prisms.extend(prisms);
     }
+    simple.plan.points = points;
     Ok(regions)
 }
 
