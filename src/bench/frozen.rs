@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
 use crate::generate::{
-    Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, build2, build3, house, random, tower,
+    Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, build2, build3,
+    house, random, round_room, tower,
 };
 
 /// The file, as it was when the crate was built.
@@ -17,7 +18,7 @@ const FILE: &str = include_str!("../../benches/scenes.toml");
 pub struct FrozenScene {
     /// Its name.
     pub name: String,
-    /// Which generator makes it: `house`, `build1`, `build2`, `build3`, `tower`, `random`.
+    /// Which generator makes it: `house`, `build1`, `build2`, `build3`, `tower`, `random`, `round-room`.
     pub building: String,
     /// Storeys of a tower.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -109,6 +110,7 @@ impl FrozenScene {
                 tower(&TowerOptions { storeys: self.storeys.unwrap_or(usual.storeys), office: office() })
             }
             "random" => random(&office()),
+            "round-room" => round_room(&RoundRoomOptions { seed: self.seed }),
             other => return Err(FrozenError::File(format!("no building '{other}'"))),
         })
     }

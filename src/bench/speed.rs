@@ -185,7 +185,7 @@ pub(super) fn threads() -> usize {
 }
 
 /// Rays from random points in rooms (in the air of the hull if there are none) in random directions.
-fn random_rays(scene: &Scene, count: u32, seed: u64) -> Vec<Ray> {
+pub(super) fn random_rays(scene: &Scene, count: u32, seed: u64) -> Vec<Ray> {
     /// Points tried for each ray before the search for air is given up.
     const TRIES: u32 = 1000;
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use clap::{Args, Subcommand};
 use enfilade::bench::{ErrorOptions, FrozenScene, SpeedOptions, error, names, speed};
-use enfilade::importers::ImportOptions;
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
+use enfilade::importers::{ImportOptions, Model};
 use enfilade::render::{Camera, parse_cameras, room_views};
 use enfilade::{CompileOptions, Scene, compile};
 
@@ -28,6 +28,7 @@ Examples:
   enfilade bench house.enf --cams walk.txt --size 1024x1024 --repeat 9 --json
   enfilade bench --frozen build2
   enfilade bench error house.enf --model house.glb
+  enfilade bench cells house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
 by itself on the same triangles."
@@ -48,6 +49,7 @@ pub struct Arguments {
 
 #[derive(Subcommand)]
 enum What {
+    Cells(super::bench_cells::Arguments),
     /// Time beside error: wrong pixels and the largest error of every way.
     Error(Error),
 }
@@ -64,13 +66,13 @@ struct Error {
 }
 
 #[derive(Args)]
-struct Common {
+pub struct Common {
     /// A file of cameras; by default two level views from the middle of each room, at most 20 in all.
     #[arg(long, value_name = "FILE")]
     cams: Option<PathBuf>,
     /// Pixels.
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_picture_size)]
-    size: (u32, u32),
+    pub size: (u32, u32),
     /// How often each frame is traced; the median counts.
     #[arg(long, value_name = "R", default_value_t = 5)]
     repeat: u32,
@@ -79,11 +81,11 @@ struct Common {
     kernels: Vec<String>,
     /// Print the report as JSON.
     #[arg(long)]
-    json: bool,
+    pub json: bool,
     #[command(flatten)]
-    reading: Reading,
+    pub reading: Reading,
     #[command(flatten)]
-    resources: Resources,
+    pub resources: Resources,
 }
 
 impl Common {
@@ -98,7 +100,7 @@ impl Common {
         }
     }
 
-    fn views(&self, scene: &Scene) -> Result<Vec<Camera>, Failure> {
+    pub fn views(&self, scene: &Scene) -> Result<Vec<Camera>, Failure> {
         /// As many as the documented figures use.
         const MOST: usize = 20;
         if let Some(path) = &self.cams {
@@ -127,6 +129,7 @@ impl Common {
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let common = &arguments.common;
     match (&arguments.what, &arguments.scene, &arguments.frozen) {
+        (Some(What::Cells(cells)), ..) => super::bench_cells::run(cells),
         (Some(What::Error(error)), ..) => run_error(error),
         (None, Some(scene), _) => run_speed(common, || {
             let scene = common.scene(scene)?;
@@ -138,13 +141,19 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
 }
 
-/// A frozen scene and its cameras.
-fn frozen(name: &str) -> Result<(Arc<Scene>, Vec<Camera>), Failure> {
+/// A frozen scene's model, made anew.
+pub fn frozen_model(name: &str) -> Result<(FrozenScene, Model), Failure> {
     let frozen = FrozenScene::by_name(name).map_err(|e| Failure::usage(e.to_string()))?;
     let glb = frozen.glb().map_err(|e| Failure::Input(e.into()))?;
     let options = ImportOptions::default();
     let mut model = read_slice(&glb, name, &options).map_err(|e| Failure::Input(e.into()))?;
     tag(&mut model, &options).map_err(|e| Failure::Input(e.into()))?;
+    Ok((frozen, model))
+}
+
+/// A frozen scene and its cameras.
+fn frozen(name: &str) -> Result<(Arc<Scene>, Vec<Camera>), Failure> {
+    let (frozen, model) = frozen_model(name)?;
     let compiled = compile(&model, &CompileOptions::default()).map_err(|e| Failure::Input(e.into()))?;
     let scene = Arc::new(compiled.scene());
     let views = parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())

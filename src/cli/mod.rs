@@ -2,6 +2,7 @@
 //! 4 output.
 
 mod bench;
+mod bench_cells;
 mod compile;
 mod doors;
 mod export;
