@@ -17,6 +17,8 @@
 //! Goldsmith and Salmon 1987 as Maria, Horna and Aveneau use it, section 6.2.1). The base line that they compare with is in `diagonals`.
 
 mod best;
+#[cfg(test)]
+mod curve_tests;
 mod diagonals;
 mod hoods;
 mod parts;
@@ -74,9 +76,12 @@ pub fn cut(
 ) -> Result<Vec<Vec<u32>>, RegionError> {
     if how == Convexification::Diagonals {
         let region = Region::new(loops, points)?;
-        let parts = diagonals::cut(&region)?;
-        let ids = |part: Vec<u32>| part.into_iter().map(|v| region.ids[v as usize]).collect();
-        return Ok(parts.into_iter().map(ids).collect());
+        // What touches itself so that it falls apart is no polygon.
+        if let Ok(parts) = diagonals::cut(&region) {
+            let ids = |part: Vec<u32>| part.into_iter().map(|v| region.ids[v as usize]).collect();
+            return Ok(parts.into_iter().map(ids).collect());
+        }
+        return convex_parts(loops, points);
     }
     let mut best = convex_parts(loops, points)?;
     if !hooded || best.len() == 1 {

@@ -25,9 +25,9 @@ impl Random {
 
 /// A region: boundary chains and points.
 #[derive(Clone, Debug)]
-struct Drawn {
-    loops: Vec<Vec<u32>>,
-    points: Vec<Point>,
+pub(super) struct Drawn {
+    pub(super) loops: Vec<Vec<u32>>,
+    pub(super) points: Vec<Point>,
 }
 
 /// The largest connected set among the squares of a grid that are filled, as squares.
@@ -138,13 +138,13 @@ fn draw(
     Drawn { loops, points }
 }
 
-fn area(drawn: &Drawn, polygon: &[u32]) -> i128 {
+pub(super) fn area(drawn: &Drawn, polygon: &[u32]) -> i128 {
     let corners: Vec<Point> = polygon.iter().map(|&v| drawn.points[v as usize]).collect();
     i128::from(double_area(&corners))
 }
 
 /// Everything that must hold of a cut, checked without its own code.
-fn check(drawn: &Drawn, parts: &[Vec<u32>]) {
+pub(super) fn check(drawn: &Drawn, parts: &[Vec<u32>]) {
     let mut edges: Vec<(u32, u32)> = Vec::new();
     for part in parts {
         let n = part.len();
@@ -176,7 +176,7 @@ fn check(drawn: &Drawn, parts: &[Vec<u32>]) {
     assert_eq!(rim, boundary);
 }
 
-fn numbered(points: &[(i32, i32)], loops: &[&[u32]]) -> Drawn {
+pub(super) fn numbered(points: &[(i32, i32)], loops: &[&[u32]]) -> Drawn {
     Drawn {
         loops: loops.iter().map(|l| l.to_vec()).collect(),
         points: points.iter().map(|&(x, y)| Point::new(x, y)).collect(),
@@ -298,17 +298,17 @@ fn a_large_region_with_many_holes_takes_little_time() {
 
 /// How a region is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Style {
+pub(super) enum Style {
     Straight,
     Kinked,
     Turned,
     Wild,
 }
 
-const STYLES: [Style; 4] = [Style::Straight, Style::Kinked, Style::Turned, Style::Wild];
+pub(super) const STYLES: [Style; 4] = [Style::Straight, Style::Kinked, Style::Turned, Style::Wild];
 
 /// A region of random squares, about `share` in 256 of them filled.
-fn random_region(seed: u64, width: usize, share: u64, style: Style, spacing: i32) -> Drawn {
+pub(super) fn random_region(seed: u64, width: usize, share: u64, style: Style, spacing: i32) -> Drawn {
     let mut random = Random(seed | 1);
     for _ in 0..4 {
         random.next();
