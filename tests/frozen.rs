@@ -33,7 +33,9 @@ fn frozen_scenes_are_what_the_generator_makes() {
             assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
         }
         let cameras = parse_cameras(&scene.cameras, "scenes.toml", &compiled.frame()).unwrap();
-        assert!((CAMERAS / 2..=CAMERAS).contains(&cameras.len()), "{}: {}", scene.name, cameras.len());
+        // One room has no more.
+        let least = if scene.building == "round-room" { 2 } else { CAMERAS / 2 };
+        assert!((least..=CAMERAS).contains(&cameras.len()), "{}: {}", scene.name, cameras.len());
         for camera in cameras {
             assert!(
                 matches!(compiled.locate(camera.eye()), Place::Air { room: Some(_), .. }),

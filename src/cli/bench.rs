@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(required_unless_present = "frozen")]
     scene: Option<PathBuf>,
     /// A scene of benches/scenes.toml, made anew and checked by its hash, with its cameras: house, build1, build2,
-    /// build3, tower, random, build1-cad; house-bare to build3-bare without furniture.
+    /// build3, tower, random, build1-cad, round-room; house-bare to build3-bare without furniture.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["scene", "cams"])]
     frozen: Option<String>,
     #[command(flatten)]
