@@ -1,14 +1,14 @@
 //! How rooms that are not convex are cut: how many cells rays cross, beside the base line.
-#![cfg(feature = "compile")]
+#![cfg(all(feature = "compile", feature = "gltf"))]
 
 use enfilade::bench::{CrossingOptions, Crossings, FrozenScene, crossings};
-use enfilade::importers::ImportOptions;
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
+use enfilade::importers::{ImportOptions, Untagged};
 use enfilade::partition::Convexification;
 use enfilade::render::parse_cameras;
-use enfilade::verify::{VerifyOptions, verify};
-use enfilade::{CompileOptions, compile};
+use enfilade::roles::roles;
+use enfilade::{CompileOptions, Hit, Ray, VerifyOptions, compile, verify};
 
 /// What rays cross in a frozen scene, cut by cost and by the base line; the answers are verified.
 fn both(name: &str) -> [Crossings; 2] {
@@ -19,10 +19,12 @@ fn both(name: &str) -> [Crossings; 2] {
         let mut options = CompileOptions::default();
         options.convexification = how;
         let scene = compile(&model, &options).unwrap().scene();
-        let mut verifying = VerifyOptions::default();
-        verifying.rays = 2000;
-        let report = verify(&scene, &model, &verifying).unwrap();
-        assert!(report.passed(), "{name}, {how:?}");
+        let roles = roles(&model, Untagged::default());
+        let mut verifying = VerifyOptions::default().with_rays(2000).with_grid_rays(2000);
+        (verifying.solid_rays, verifying.hard_rays) = (2000, 2000);
+        let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
+        let report = verify(&model, |e| roles[e.0 as usize], &tracer, &verifying).unwrap();
+        assert!(report.passed(), "{name}, {how:?}: {:#?}", report.wrong);
         let views = parse_cameras(&frozen.cameras, "scenes.toml", &scene.frame()).unwrap();
         let mut counting = CrossingOptions::default();
         counting.size = (64, 64);
