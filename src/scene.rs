@@ -16,6 +16,7 @@ pub struct Scene {
     pub(crate) tables: Views,
     pub(crate) kernel: crate::trace::Kernel,
     pub(crate) closing: crate::closing::Closing,
+    pub(crate) columns: crate::trace::Columns,
 }
 
 /// A file could not be opened as a scene.
@@ -77,7 +78,8 @@ impl Scene {
     }
 
     fn from_views(tables: Views) -> Scene {
-        Scene { tables, kernel: crate::trace::Kernel::best(), closing: Default::default() }
+        let columns = crate::trace::Columns::new(&tables);
+        Scene { tables, kernel: crate::trace::Kernel::best(), closing: Default::default(), columns }
     }
 
     /// The same scene, traced by another kernel: all give the same answers.

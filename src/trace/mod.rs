@@ -5,6 +5,7 @@ mod avx2;
 mod batch;
 mod begin;
 mod cells;
+mod columns;
 mod cost;
 mod herd;
 mod kernel;
@@ -22,6 +23,7 @@ mod step;
 mod walk;
 
 pub use batch::Starts;
+pub(crate) use columns::Columns;
 pub use cost::Cost;
 pub use kernel::Kernel;
 pub use locate::Place;
