@@ -76,6 +76,7 @@ pub mod graph;
 pub mod inspect;
 #[cfg(feature = "compile")]
 pub mod lattice;
+mod mask;
 #[cfg(feature = "compile")]
 pub mod oracle;
 mod parallel;

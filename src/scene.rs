@@ -77,7 +77,7 @@ impl Scene {
         Ok(Scene::from_views(Views::open(Storage::copy(bytes), false)?))
     }
 
-    fn from_views(tables: Views) -> Scene {
+    pub(crate) fn from_views(tables: Views) -> Scene {
         let columns = crate::trace::Columns::new(&tables);
         Scene { tables, kernel: crate::trace::Kernel::best(), closing: Default::default(), columns }
     }

@@ -17,7 +17,7 @@ mod tally;
 
 pub use report::{Case, ErrorStats, KindTally, Said, Tally, VerifyReport};
 
-pub use standing::{standing, tell_sheets};
+pub use standing::{standing, tell_sheets, without};
 
 use tally::Account;
 

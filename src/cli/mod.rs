@@ -8,6 +8,7 @@ mod doors;
 mod export;
 mod failure;
 mod generate;
+mod hide;
 mod input;
 mod inspect;
 mod output;

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::doors::Doors;
 use super::failure::{Failure, Outcome};
+use super::hide::Hide;
 use super::input::{FrameName, Point, Reading, Resources, Up, parse_point};
 use super::output;
 
@@ -70,6 +71,8 @@ pub struct Arguments {
     #[command(flatten)]
     doors: Doors,
     #[command(flatten)]
+    hide: Hide,
+    #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     resources: Resources,
@@ -113,6 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     arguments.resources.in_pool(|| {
         let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
         arguments.doors.apply(&mut scene, &arguments.resources)?;
+        arguments.hide.apply(&mut scene)?;
         let frame = match arguments.frame {
             FrameName::Source => scene.frame(),
             FrameName::Internal => Frame::default(),

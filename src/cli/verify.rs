@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use enfilade::importers::Role;
+use enfilade::importers::{Element, Role};
 use enfilade::roles::roles;
-use enfilade::verify::{Case, MOST_EXCUSED, standing, tell_sheets};
+use enfilade::verify::{Case, MOST_EXCUSED, standing, tell_sheets, without};
 use enfilade::{Hit, Ray, VerifyOptions, VerifyReport, Want, verify};
 use serde::Serialize;
 
 use super::doors::Doors;
 use super::failure::{Failure, Outcome};
+use super::hide::Hide;
 use super::input::{Reading, Resources};
 use super::output;
 
@@ -42,6 +43,8 @@ pub struct Arguments {
     json: bool,
     #[command(flatten)]
     doors: Doors,
+    #[command(flatten)]
+    hide: Hide,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -73,9 +76,20 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             )));
         }
         arguments.doors.apply(&mut scene, &arguments.resources)?;
+        let hidden = arguments.hide.apply(&mut scene)?;
         let own = model.elements.len();
-        let model = standing(model, &scene);
+        let lacks =
+            |element: &Element, index: u32| element.mesh.materials.iter().any(|m| hidden.has(index, m.0));
+        let lacking: Vec<u32> = model
+            .elements
+            .iter()
+            .zip(0..)
+            .filter(|(element, index)| lacks(element, *index))
+            .map(|(_, index)| index)
+            .collect();
+        let model = standing(without(model, |element, material| hidden.has(element, material)), &scene);
         let mut roles = roles(&model, arguments.reading.untagged.untagged());
+        lacking.into_iter().for_each(|element| roles[element as usize] = Role::Detail);
         roles[own..].fill(Role::Detail);
         let tracer = |rays: &[Ray], hits: &mut [Hit]| {
             scene.trace_many(rays, hits, Want::LEAST);

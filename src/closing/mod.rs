@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use enfilade_importers::Role;
 
+use crate::format::Views;
 use crate::graph::is_opening;
 use crate::scene::Scene;
 use sheet::{Missing, Sheet};
@@ -111,6 +112,22 @@ pub(crate) struct Closing {
     sheets: BTreeMap<u32, Result<Sheet, Missing>>,
     /// The tables as they were opened.
     base: Option<Base>,
+}
+
+impl Closing {
+    /// The tables as they are without any of this.
+    pub(crate) fn modelled(&self, tables: &Views) -> Views {
+        let mut tables = tables.clone();
+        if let Some(base) = &self.base {
+            base.clone().restore(&mut tables);
+        }
+        tables
+    }
+
+    /// The openings that do not stand as modelled.
+    pub(crate) fn stands(&self) -> Vec<(u32, Stand)> {
+        self.stands.iter().map(|(&opening, &stand)| (opening, stand)).collect()
+    }
 }
 
 #[derive(Default)]

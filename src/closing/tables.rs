@@ -18,6 +18,7 @@ use crate::format::records::{BlockRecord, CellRecord, LANES, NodeRecord, RunReco
 use crate::trace::{NONE, Prisms, Step};
 
 /// The tables that are changed, as they were opened.
+#[derive(Clone)]
 pub(super) struct Base {
     cells: View<CellRecord>,
     steps: View<Step>,

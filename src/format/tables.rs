@@ -43,6 +43,7 @@ macro_rules! sections {
         }
 
         $(#[$in_place])*
+        #[derive(Clone)]
         pub(crate) struct $views {
             $(pub $field: View<$item>,)*
             $(/// Optional sections, all or none.
@@ -261,8 +262,8 @@ impl Views {
         Ok(views)
     }
 
-    /// What rays need of each cell and each source, side by side.
-    fn derive(&mut self) {
+    /// Works out what is in no file: what rays need of triangles, of each cell and of each source, side by side.
+    pub(crate) fn derive(&mut self) {
         self.run_of = View::own(self.runs_by_triangle());
         self.blocks = View::own(self.groups());
         let prisms = Prisms::new(self);

@@ -34,6 +34,20 @@ pub fn standing(mut model: Model, scene: &Scene) -> Model {
     model
 }
 
+/// The model without the triangles that `is_hidden`, which gets the indices of an element and of a material: the truth of
+/// [`Scene::without`], where elements that lack any of them are detail.
+pub fn without(mut model: Model, is_hidden: impl Fn(u32, u32) -> bool) -> Model {
+    for (element, index) in model.elements.iter_mut().zip(0u32..) {
+        let mesh = &mut element.mesh;
+        let keep: Vec<bool> = mesh.materials.iter().map(|material| !is_hidden(index, material.0)).collect();
+        let mut kept = keep.iter();
+        mesh.triangles.retain(|_| kept.next().is_none_or(|&keep| keep));
+        let mut kept = keep.iter();
+        mesh.materials.retain(|_| kept.next().is_none_or(|&keep| keep));
+    }
+    model
+}
+
 /// Makes hits on sheets those on the elements that [`standing`] adds for them to a model of so many.
 pub fn tell_sheets(scene: &Scene, elements: u32, hits: &mut [Hit]) {
     for hit in hits {

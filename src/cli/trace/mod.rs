@@ -12,6 +12,7 @@ use enfilade::{Hit, Ray, Scene, Want};
 
 use super::doors::Doors;
 use super::failure::{Failure, Outcome};
+use super::hide::Hide;
 use super::input::{FrameName, Reading, Resources};
 use super::output;
 use hits::Field;
@@ -66,6 +67,8 @@ pub struct Arguments {
     #[command(flatten)]
     doors: Doors,
     #[command(flatten)]
+    hide: Hide,
+    #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     resources: Resources,
@@ -88,6 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 fn stream(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
     arguments.doors.apply(&mut scene, &arguments.resources)?;
+    arguments.hide.apply(&mut scene)?;
     let frame = match arguments.frame {
         FrameName::Source => scene.frame(),
         FrameName::Internal => Frame::default(),
