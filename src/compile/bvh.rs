@@ -12,7 +12,8 @@ use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::format::{MAX_DEPTH, Tables};
 use crate::trace::NONE;
 
-/// Nodes and leaves of one hierarchy; node 0 is the root, or if there is none leaf 0. A child with [`Leaf::BIT`] is the leaf of that number.
+/// Nodes and leaves of one hierarchy; node 0 is the root, or if there is none leaf 0. A child with [`Leaf::BIT`] is the leaf of that number, one with
+/// [`SUBTREE`] the hierarchy of that number among those that it was built over.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<NodeRecord>,
@@ -22,9 +23,53 @@ pub(super) struct Hierarchy {
     pub(super) depth: u32,
 }
 
+/// The bit of a child that is another hierarchy.
+const SUBTREE: u32 = 1 << 30;
+
+/// Another hierarchy, or a leaf, as a part of one that is built over it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// A box around it, relative to the scene's center.
+    bounds: [[f32; 3]; 2],
+    /// Its longest chain of nodes.
+    depth: u32,
+}
+
 impl Hierarchy {
+    /// It as a part of another, built over these triangles with this slack around them; `None` if it is empty.
+    pub(super) fn part(&self, triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -> Option<Part> {
+        let around = |all: Option<[[f32; 3]; 2]>, [lo, hi]: [[f32; 3]; 2]| match all {
+            Some(all) => {
+                Some([[0, 1, 2].map(|i| all[0][i].min(lo[i])), [0, 1, 2].map(|i| all[1][i].max(hi[i]))])
+            }
+            None => Some([lo, hi]),
+        };
+        let bounds = match self.nodes.first() {
+            Some(root) => (0..LANES)
+                .filter(|&lane| root.child[lane] != NONE)
+                .map(|lane| [root.lo.map(|axis| axis[lane]), root.hi.map(|axis| axis[lane])])
+                .fold(None, around),
+            None => {
+                let corners = self.leaves.iter().flatten().flat_map(|&t| triangles[t as usize]);
+                let local = corners.map(|p| (DVec3::from(p) - DVec3::from(center)).as_vec3().to_array());
+                local.map(|p| [p.map(|c| c - slack), p.map(|c| c + slack)]).fold(None, around)
+            }
+        };
+        bounds.map(|bounds| Part { bounds, depth: self.depth })
+    }
+
+    /// Gives its parts their roots in the scene's tables, to which it was added when there were `nodes` nodes.
+    pub(super) fn link(count: usize, nodes: u32, roots: &[u32], tables: &mut Tables) {
+        let own = &mut tables.nodes[nodes as usize..nodes as usize + count];
+        for child in own.iter_mut().flat_map(|node| &mut node.child) {
+            if *child != NONE && *child & (Leaf::BIT | SUBTREE) == SUBTREE {
+                *child = roots[(*child & !SUBTREE) as usize];
+            }
+        }
+    }
+
     /// Adds it to a scene's tables, `ids` being the scene's triangles that it was built over. Returns its root, [`NONE`] if
-    /// it is empty.
+    /// it is empty. Its parts have no roots yet.
     pub(super) fn append(self, ids: &[u32], tables: &mut Tables) -> u32 {
         let nodes = tables.nodes.len() as u32;
         let leaf = |triangles: Vec<u32>| tables.leaf(triangles.into_iter().map(|t| ids[t as usize]));
@@ -32,10 +77,10 @@ impl Hierarchy {
         let root = if self.nodes.is_empty() { links.first().copied().unwrap_or(NONE) } else { nodes };
         tables.nodes.extend(self.nodes.into_iter().map(|mut node| {
             node.child.iter_mut().filter(|link| **link != NONE).for_each(|child| {
-                *child = if *child & Leaf::BIT != 0 {
-                    links[(*child & !Leaf::BIT) as usize]
-                } else {
-                    *child + nodes
+                *child = match *child {
+                    leaf if leaf & Leaf::BIT != 0 => links[(leaf & !Leaf::BIT) as usize],
+                    part if part & SUBTREE != 0 => part,
+                    node => node + nodes,
                 };
             });
             node
@@ -52,46 +97,93 @@ pub(super) fn slack(radius: f64, diameter: f64) -> f32 {
     ((radius + diameter) * (-19f64).exp2()) as f32
 }
 
+/// The hierarchy over triangles given by their corners, and over other hierarchies, boxes relative to `center`. `None` if it would be nested too
+/// deeply: never without `parts`.
+pub(super) fn build_over(
+    triangles: &[[[f64; 3]; 3]],
+    parts: &[Part],
+    center: [f64; 3],
+    slack: f32,
+) -> Option<Hierarchy> {
+    let below = parts.iter().map(|part| part.depth).max().unwrap_or(0);
+    let mut hierarchy = if parts.is_empty() {
+        build(triangles, center, slack)
+    } else if triangles.len() + parts.len() <= LANES {
+        few(triangles, parts, center, slack)
+    } else {
+        let binary = binary(&rounded(triangles, center), parts);
+        Collapse { binary: &binary, triangles: triangles.len() as u32, slack, out: Hierarchy::default() }
+            .run()
+    };
+    hierarchy.depth += below;
+    (hierarchy.depth <= MAX_DEPTH).then_some(hierarchy)
+}
+
+/// One node over few triangles and parts, eight together at most.
+fn few(triangles: &[[[f64; 3]; 3]], parts: &[Part], center: [f64; 3], slack: f32) -> Hierarchy {
+    let mut node = NodeRecord::EMPTY;
+    let mut leaves = Vec::new();
+    for (lane, part) in parts.iter().enumerate() {
+        node.put(lane, SUBTREE | lane as u32, part.bounds, slack);
+    }
+    if !triangles.is_empty() {
+        let together = rounded(triangles, center).iter().fold(Aabb::INVALID, |all, t| all.union(&t.aabb()));
+        let bounds = [together.min.to_array(), together.max.to_array()];
+        node.put(parts.len(), Leaf::BIT, bounds, slack);
+        leaves.push((0..triangles.len() as u32).collect());
+    }
+    Hierarchy { nodes: vec![node], leaves, depth: 1 }
+}
+
+fn rounded(triangles: &[[[f64; 3]; 3]], center: [f64; 3]) -> Vec<Triangle> {
+    let center = DVec3::from(center);
+    let triangle = |corners: &[[f64; 3]; 3]| {
+        let [v0, v1, v2] = corners.map(|p| (DVec3::from(p) - center).as_vec3a());
+        Triangle { v0, v1, v2 }
+    };
+    triangles.iter().map(triangle).collect()
+}
+
 /// The hierarchy over triangles given by their corners, boxes relative to `center`.
 pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32) -> Hierarchy {
     if triangles.is_empty() {
         return Hierarchy::default();
     }
-    let center = DVec3::from(center);
     if triangles.len() <= LANES {
         let leaves = vec![(0..triangles.len() as u32).collect()];
         return Hierarchy { leaves, ..Hierarchy::default() };
     }
-    let corners = |t: usize| triangles[t].map(|p| (DVec3::from(p) - center).as_vec3a());
-    let rounded: Vec<Triangle> = (0..triangles.len())
-        .map(|t| {
-            let [v0, v1, v2] = corners(t);
-            Triangle { v0, v1, v2 }
-        })
-        .collect();
-    let binary = binary(&rounded);
-    let mut hierarchy = Collapse { binary: &binary, slack, out: Hierarchy::default() }.run();
+    let rounded = rounded(triangles, center);
+    let binary = binary(&rounded, &[]);
+    let count = triangles.len() as u32;
+    let mut hierarchy =
+        Collapse { binary: &binary, triangles: count, slack, out: Hierarchy::default() }.run();
     if hierarchy.depth > MAX_DEPTH {
         // Only triangles laid out to spoil it nest so deeply: halves of a sorted list never do.
-        let binary = halves(&rounded);
-        hierarchy = Collapse { binary: &binary, slack, out: Hierarchy::default() }.run();
+        let binary = halves(&boxes_of(&rounded, &[]));
+        hierarchy = Collapse { binary: &binary, triangles: count, slack, out: Hierarchy::default() }.run();
     }
     hierarchy
 }
 
 /// A binary tree of good quality: large triangles split beforehand, clustered (PLOC), improved by reinsertion. The steps
-/// are those of `obvhs`' own medium build, one by one, because that one panics in debug builds on deep trees.
-fn binary(triangles: &[Triangle]) -> Bvh2 {
+/// are those of `obvhs`' own medium build, one by one, because that one panics in debug builds on deep trees. Parts are not split; their numbers
+/// follow those of the triangles.
+fn binary(triangles: &[Triangle], parts: &[Part]) -> Bvh2 {
     let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
     let mut indices: Vec<u32> = (0..triangles.len() as u32).collect();
     let areas = boxes.iter().map(Aabb::half_area);
     let largest = areas.clone().fold(0.0, f32::max);
     let average = areas.sum::<f32>() / triangles.len() as f32;
-    split_aabbs_preset(&mut boxes, &mut indices, triangles, average, largest);
+    if !triangles.is_empty() {
+        split_aabbs_preset(&mut boxes, &mut indices, triangles, average, largest);
+    }
+    boxes.extend(boxes_of(&[], parts));
+    indices.extend(triangles.len() as u32..(triangles.len() + parts.len()) as u32);
     let mut builder = PlocBuilder::with_capacity(boxes.len());
     let mut tree = builder.build(PlocSearchDistance::Medium, &boxes, indices, SortPrecision::U64, 3);
     if tree.depth(0) > DEEPEST_BINARY {
-        return halves(triangles);
+        return halves(&boxes_of(triangles, parts));
     }
     tree.uses_spatial_splits = true;
     ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
@@ -106,6 +198,8 @@ const REINSERTED: f32 = 0.05;
 
 struct Collapse<'a> {
     binary: &'a Bvh2,
+    /// How many of what it was built over are triangles: the first. The others are parts.
+    triangles: u32,
     slack: f32,
     out: Hierarchy,
 }
@@ -137,7 +231,9 @@ impl Collapse<'_> {
             self.out.depth = self.out.depth.max(depth);
             for (lane, child) in self.children(root, &plans).into_iter().enumerate() {
                 let bounds = self.binary.nodes[child as usize].aabb;
-                let link = if plans[child as usize].count as usize <= LANES {
+                let link = if let Some(part) = self.part(child) {
+                    SUBTREE | part
+                } else if plans[child as usize].count as usize <= LANES {
                     self.leaf(child)
                 } else {
                     self.out.nodes.push(NodeRecord::EMPTY);
@@ -171,7 +267,8 @@ impl Collapse<'_> {
             let area = node.aabb.half_area();
             let mut plan = Plan::default();
             if node.is_leaf() {
-                plan.count = node.prim_count;
+                // A part is never in a leaf with others.
+                plan.count = if self.part(i).is_some() { LANES as u32 + 1 } else { node.prim_count };
                 plan.cost = [area * LEAF_COST; LANES];
             } else {
                 let first = node.first_index as usize;
@@ -221,6 +318,14 @@ impl Collapse<'_> {
         children
     }
 
+    /// The part that a leaf of the binary tree is.
+    fn part(&self, node: u32) -> Option<u32> {
+        let node = &self.binary.nodes[node as usize];
+        let is_one = node.is_leaf() && node.prim_count == 1;
+        is_one
+            .then(|| self.binary.primitive_indices[node.first_index as usize].checked_sub(self.triangles))?
+    }
+
     /// A leaf of all triangles below a node.
     fn leaf(&mut self, root: u32) -> u32 {
         let mut members = Vec::with_capacity(LANES);
@@ -244,11 +349,16 @@ impl Collapse<'_> {
     }
 }
 
+/// Boxes around triangles, then those around parts.
+fn boxes_of(triangles: &[Triangle], parts: &[Part]) -> Vec<Aabb> {
+    let of_part = |Part { bounds: [lo, hi], .. }: &Part| Aabb { min: (*lo).into(), max: (*hi).into() };
+    triangles.iter().map(Triangle::aabb).chain(parts.iter().map(of_part)).collect()
+}
+
 /// A binary tree of halves along the longest axis: never deeper than the logarithm of the number of triangles.
-fn halves(triangles: &[Triangle]) -> Bvh2 {
+fn halves(boxes: &[Aabb]) -> Bvh2 {
     use obvhs::bvh2::node::Bvh2Node;
-    let boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
-    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let around = |part: &[u32]| part.iter().fold(Aabb::INVALID, |all, &t| all.union(&boxes[t as usize]));
     let mut nodes = vec![Bvh2Node::new(around(&order), 0, 0)];
     let mut todo = vec![(0usize, 0usize, order.len())];
@@ -301,8 +411,13 @@ mod tests {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let binary = halves(&rounded);
-        let shallow = Collapse { binary: &binary, slack: 1e-6, out: Hierarchy::default() };
+        let binary = halves(&boxes_of(&rounded, &[]));
+        let shallow = Collapse {
+            binary: &binary,
+            triangles: triangles.len() as u32,
+            slack: 1e-6,
+            out: Hierarchy::default(),
+        };
         assert!(shallow.run().depth <= 12);
     }
 
@@ -320,5 +435,82 @@ mod tests {
             found[triangle as usize] = true;
         }
         assert!(found.iter().all(|&f| f));
+    }
+
+    /// The triangles under a link, each inside of the boxes on the way.
+    fn under(
+        tables: &Tables,
+        link: u32,
+        bounds: Option<[[f32; 3]; 2]>,
+        all: &[[[f64; 3]; 3]],
+        found: &mut Vec<u32>,
+    ) {
+        if link & Leaf::BIT != 0 {
+            let leaf = Leaf::new(link);
+            for &triangle in &tables.leaves[leaf.first()..leaf.first() + leaf.count()] {
+                // Of a triangle that was split no part is outside of all.
+                if let Some([lo, hi]) = bounds {
+                    let axis = |i: usize| all[triangle as usize].map(|p| p[i] as f32);
+                    let meets = |i: usize| {
+                        axis(i).into_iter().fold(f32::MAX, f32::min) <= hi[i]
+                            && axis(i).into_iter().fold(f32::MIN, f32::max) >= lo[i]
+                    };
+                    assert!((0..3).all(meets));
+                }
+                found.push(triangle);
+            }
+            return;
+        }
+        let node = &tables.nodes[link as usize];
+        for lane in (0..LANES).filter(|&lane| node.child[lane] != NONE) {
+            let child = node.child[lane];
+            assert!(child & Leaf::BIT != 0 || child > link, "nodes come before what is below them");
+            let bounds = [node.lo.map(|axis| axis[lane]), node.hi.map(|axis| axis[lane])];
+            under(tables, child, Some(bounds), all, found);
+        }
+    }
+
+    #[test]
+    fn hierarchies_over_others_hold_all_that_those_hold() {
+        let all: Vec<[[f64; 3]; 3]> = (0..900)
+            .map(|i| {
+                let at = |k: i32| f64::from((i * 7919 + k * 104_729) % 1000) / 10.0;
+                [[at(0), at(1), at(2)], [at(0) + 2.0, at(1), at(2)], [at(0), at(1) + 1.0, at(2) + 1.0]]
+            })
+            .collect();
+        // Groups of these many triangles each as a hierarchy of its own; the rest is the upper one's.
+        for groups in
+            [vec![300, 5, 1, 40], vec![1, 1], vec![2; 7], vec![900], vec![898], vec![3; 100], vec![895, 1]]
+        {
+            let (mut first, mut built) = (0, Vec::new());
+            for count in &groups {
+                let ids: Vec<u32> = (first..first + count).collect();
+                let own: Vec<_> = ids.iter().map(|&t| all[t as usize]).collect();
+                let hierarchy = build(&own, [50.0; 3], 1e-4);
+                let part = hierarchy.part(&own, [50.0; 3], 1e-4).unwrap();
+                built.push((hierarchy, part, ids));
+                first += count;
+            }
+            let rest: Vec<u32> = (first..if groups == [1, 1] { first + 3 } else { 900 }).collect();
+            let own: Vec<_> = rest.iter().map(|&t| all[t as usize]).collect();
+            let parts: Vec<Part> = built.iter().map(|(_, part, _)| *part).collect();
+            let over = build_over(&own, &parts, [50.0; 3], 1e-4).unwrap();
+            let (count, depth) = (over.nodes.len(), over.depth);
+            assert!(depth > parts.iter().map(|part| part.depth).max().unwrap() && depth <= MAX_DEPTH);
+            let mut tables = Tables::default();
+            let root = over.append(&rest, &mut tables);
+            let roots: Vec<u32> =
+                built.into_iter().map(|(hierarchy, _, ids)| hierarchy.append(&ids, &mut tables)).collect();
+            Hierarchy::link(count, 0, &roots, &mut tables);
+            let mut found = Vec::new();
+            let shifted: Vec<_> = all.iter().map(|t| t.map(|p| p.map(|c| c - 50.0))).collect();
+            under(&tables, root, None, &shifted, &mut found);
+            found.sort_unstable();
+            found.dedup();
+            assert_eq!(found.len() as u32, first + rest.len() as u32, "{groups:?}");
+        }
+        // Nested as deeply as is allowed, there is no room above.
+        let deep = Part { bounds: [[0.0; 3], [1.0; 3]], depth: MAX_DEPTH };
+        assert!(build_over(&all[..3], &[deep], [50.0; 3], 1e-4).is_none());
     }
 }

@@ -390,8 +390,6 @@ fn add_detail(
     )?;
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
     let depth = run.stage("hierarchy", || {
-        // What cell 0 has beside detail around the prisms: all there is, for rays that pass edges too near for cells.
-        let all = zone.map(|_| (Owner::Cell(0), (0..gathered.detail_triangles).collect()));
         let owned = detail::by_cell(&pairs);
         let cells = owned.into_iter().map(|(cell, range)| {
             let ids: Vec<u32> = pairs[range].iter().map(|&(_, triangle)| triangle).collect();
@@ -402,11 +400,13 @@ fn add_detail(
             let first = source.first as usize;
             (Owner::Source(index), tables.surfaces[first..first + source.count as usize].to_vec())
         });
-        let jobs: Vec<(Owner, Vec<u32>)> = all.into_iter().chain(cells).chain(sources).collect();
+        let jobs: Vec<(Owner, Vec<u32>)> = cells.chain(sources).collect();
         let build = |(owner, ids): (Owner, Vec<u32>)| {
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();
-            (owner, bvh::build(&corners, center, slack), ids)
+            let hierarchy = bvh::build(&corners, center, slack);
+            let part = hierarchy.part(&corners, center, slack);
+            (owner, hierarchy, part, ids)
         };
         #[cfg(feature = "rayon")]
         let built: Vec<_> = {
@@ -415,15 +415,39 @@ fn add_detail(
         };
         #[cfg(not(feature = "rayon"))]
         let built: Vec<_> = jobs.into_iter().map(build).collect();
-        let mut depth = 0;
-        for (owner, hierarchy, ids) in built {
+        let mut depth = built.iter().map(|(_, hierarchy, ..)| hierarchy.depth).max().unwrap_or(0);
+        // What cell 0 has beside detail around the prisms: all there is, for rays that pass edges too near for cells. It is built over the
+        // hierarchies of the others and what is in none of them, and its nodes come before theirs.
+        let over = zone.map(|_| {
+            let mut is_below = vec![false; gathered.detail_triangles as usize];
+            built.iter().flat_map(|(.., ids)| ids).for_each(|&triangle| is_below[triangle as usize] = true);
+            let parts: Vec<bvh::Part> = built.iter().filter_map(|(_, _, part, _)| *part).collect();
+            let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
+            let rest: Vec<u32> = (0..gathered.detail_triangles).filter(|&t| !is_below[t as usize]).collect();
+            let own: Vec<[[f64; 3]; 3]> = rest.iter().map(|&t| corners(t)).collect();
+            bvh::build_over(&own, &parts, center, slack).map(|hierarchy| (hierarchy, rest)).unwrap_or_else(
+                || {
+                    let all: Vec<[[f64; 3]; 3]> = (0..gathered.detail_triangles).map(corners).collect();
+                    (bvh::build(&all, center, slack), (0..gathered.detail_triangles).collect())
+                },
+            )
+        });
+        let mut own = (0, 0);
+        if let Some((hierarchy, rest)) = over {
             depth = depth.max(hierarchy.depth);
+            own = (hierarchy.nodes.len(), tables.nodes.len() as u32);
+            tables.cells[0].root = hierarchy.append(&rest, tables);
+        }
+        let mut roots = Vec::with_capacity(built.len());
+        for (owner, hierarchy, part, ids) in built {
             let root = hierarchy.append(&ids, tables);
+            roots.extend(part.map(|_| root));
             match owner {
                 Owner::Cell(cell) => tables.cells[cell as usize].root = root,
                 Owner::Source(source) => tables.sources[source as usize].root = root,
             }
         }
+        bvh::Hierarchy::link(own.0, own.1, &roots, tables);
         depth
     })?;
     if tables.leaves.len() > Leaf::MOST {

@@ -493,11 +493,12 @@ impl<'a> Check<'a> {
         leaf.first() % LANES + leaf.count() <= LANES && leaf.first() + leaf.count() <= self.views.leaves.len()
     }
 
-    /// Every node but the roots is the child of exactly one node before it, and no chain is longer than the kernels'
-    /// stacks allow: so every walk ends.
+    /// Every node is the child of at most one node, before it, and is that or the root of a cell or source, or both; no chain is longer than
+    /// the kernels' stacks allow: so every walk ends.
     fn hierarchy(&self) -> Result<(), FormatError> {
         let v = self.views;
         let mut depth = vec![0u32; v.nodes.len()];
+        let mut is_child = vec![false; v.nodes.len()];
         let cells = v.cells.iter().map(|c| c.root).enumerate().map(|(i, root)| ("cells", i, root));
         let sources = v.sources.iter().map(|s| s.root).enumerate().map(|(i, root)| ("sources", i, root));
         for (section, i, root) in cells.chain(sources).filter(|&(_, _, root)| root != NONE) {
@@ -525,9 +526,10 @@ impl<'a> Check<'a> {
                 if child & Leaf::BIT != 0 {
                     ensure(self.is_leaf(child), "nodes", i, || format!("leaf {child:#x} is not there"))?;
                 } else {
-                    let fresh = child as usize > i && depth.get(child as usize) == Some(&0);
+                    let fresh = child as usize > i
+                        && is_child.get_mut(child as usize).is_some_and(|is| !std::mem::replace(is, true));
                     ensure(fresh, "nodes", i, || format!("child {child} is not there, or not its own"))?;
-                    depth[child as usize] = depth[i] + 1;
+                    depth[child as usize] = depth[child as usize].max(depth[i] + 1);
                 }
             }
         }
