@@ -3,7 +3,7 @@
 use enfilade_importers::Role;
 
 use crate::format::Views;
-use crate::format::records::{PLAIN, SourceRecord};
+use crate::format::records::{CellRecord, PLAIN, SourceRecord};
 use crate::scene::Scene;
 use crate::trace::NONE;
 
@@ -12,7 +12,11 @@ impl Scene {
     /// element that lacks any of them is no solid that a ray could start in. All else of the scene stays as it is: cells, rooms, openings,
     /// and how these stand ([`Scene::set_open`]).
     ///
-    /// Answers are those of a scene compiled without these triangles. The two share what is alike; making one takes about as long as
+    /// What rays meet, and how far away, is what they meet in a scene compiled without these triangles. Inside of hidden matter there are no cells of
+    /// air and no rooms, and hits there tell none. Sheets that close openings are met, even where the door is hidden that they stand for; the
+    /// graph of rooms knows what is left of surfaces. Of triangles that an element has twice one is in the scene, and its material counts.
+    ///
+    /// The two scenes share what is alike; making one takes about as long as
     /// opening the file. Hiding furniture and the like costs rays nothing. Rays that pass what cells were cut around (walls, slabs) are answered by
     /// the hierarchy of all triangles, so that hiding much of that makes them slower.
     ///
@@ -32,9 +36,10 @@ impl Scene {
             tables.runs.iter().map(|run| run.first < met && is_hidden(run.element, run.material)).collect();
         hide(&mut tables, &runs);
         let mut scene = Scene::from_views(tables).with_kernel(self.kernel);
+        scene.closing = self.closing.of_hidden(&self.tables);
         let stands = self.closing.stands();
         if !stands.is_empty() {
-            // Where openings are no longer there to be closed, because what held them is hidden, they stay open.
+            // They stood so before: sheets hang on cells and elements, of which masks change nothing.
             let _ = scene.set_stands_where_possible(&stands);
         }
         scene
@@ -80,6 +85,12 @@ fn hide(tables: &mut Views, runs: &[bool]) {
         solid
             .filter(|volume| !is_whole[volume.element as usize])
             .for_each(|volume| volume.role = Role::Detail as u32);
+    });
+    tables.cells.edit(|cells| {
+        let matter = cells.iter_mut().filter(|cell| cell.kind == CellRecord::SOLID);
+        matter
+            .filter(|cell| is_whole.get(cell.element as usize) == Some(&false))
+            .for_each(|cell| cell.flags |= CellRecord::HIDDEN);
     });
     tables.derive();
 }
@@ -145,6 +156,64 @@ mod tests {
         check(&house, &scene, |_, material| material % 3 == 1);
         check(&house, &scene, |element, material| (element * 7 + material * 5) % 4 == 0);
         check(&house, &scene, |_, _| true);
+    }
+
+    /// Distances, and those of rays that go on from hits, are those of a scene without cells that was compiled without what is hidden.
+    #[test]
+    fn rays_go_on_from_hits_as_in_a_scene_that_has_nothing_hidden() {
+        let house = crate::generate::house(&Default::default()).to_model().unwrap();
+        let scene = compile(&house, &CompileOptions::default()).unwrap().scene();
+        for semantics in [&[Semantic::Furniture][..], &[Semantic::Wall], &[Semantic::Roof, Semantic::Ground]]
+        {
+            let is_hidden = |e: u32, _: u32| semantics.contains(&house.elements[e as usize].semantic);
+            // In two steps, of which the second is the mask of a mask.
+            let hidden = scene.without(|e, m| is_hidden(e, m) && e % 2 == 0).without(is_hidden);
+            let options = CompileOptions { cells: false, ..CompileOptions::default() };
+            let other = compile(&without(house.clone(), is_hidden), &options).unwrap().scene();
+            let [lo, hi] = scene.hull();
+            let mut random = crate::splitmix::SplitMix64::new(12);
+            let (mut met, mut unlike) = (0, 0);
+            for _ in 0..6000 {
+                let from = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
+                let ray = Ray::new(from, [0; 3].map(|_| random.between(-1.0, 1.0)));
+                let trace =
+                    |scene: &Scene, start, ray: &Ray| scene.trace_from(start, ray, Default::default());
+                let (one, two) = (
+                    trace(&hidden, crate::Start::Anywhere, &ray),
+                    trace(&other, crate::Start::Anywhere, &ray),
+                );
+                assert!(one.t == two.t || (one.t.is_nan() && two.t.is_nan()), "{ray:?} {one:?} {two:?}");
+                if one.triangle == NONE || one.t.is_nan() {
+                    continue;
+                }
+                met += 1;
+                let on = Ray::new(one.point, [0; 3].map(|_| random.between(-1.0, 1.0)));
+                let (one, two) = (
+                    trace(&hidden, crate::Start::Hit(&one), &on),
+                    trace(&other, crate::Start::Hit(&two), &on),
+                );
+                unlike += u32::from(one.t != two.t);
+            }
+            // Restarts near edges may tell apart surfaces that touch.
+            assert!(met > 1500 && unlike <= met / 500, "{unlike} of {met}");
+        }
+    }
+
+    /// A leaf that cells were cut around cannot be taken out, whether some of it is hidden or not.
+    #[test]
+    fn what_carves_in_the_file_carves_when_some_of_it_is_hidden() {
+        let mut house = crate::generate::house(&Default::default()).to_model().unwrap();
+        let leaf = house.elements.iter().position(|e| e.class.as_deref() == Some("IfcDoor")).unwrap();
+        house.elements[leaf].semantic = Semantic::Wall;
+        let last = house.elements[leaf].mesh.materials.last_mut().unwrap();
+        last.0 = if last.0 == 0 { 1 } else { 0 };
+        let material = last.0;
+        let mut scene = compile(&house, &CompileOptions::default()).unwrap().scene();
+        assert!(scene.set_open(leaf as u32, true, Leaf::Out).is_err());
+        let mut hidden = scene.without(|element, m| element == leaf as u32 && m == material);
+        assert!(hidden.set_open(leaf as u32, true, Leaf::Out).is_err());
+        let mut twice = hidden.without(|element, _| element == leaf as u32);
+        assert!(twice.set_open(leaf as u32, true, Leaf::Out).is_err());
     }
 
     #[test]

@@ -27,6 +27,7 @@ impl Default for CrossingOptions {
 
 /// Prisms that rays come to, the first one included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Crossings {
     /// Rays of frames from inside.
     pub primary_rays: u64,

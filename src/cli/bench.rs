@@ -66,13 +66,13 @@ struct Error {
 }
 
 #[derive(Args)]
-pub struct Common {
+struct Common {
     /// A file of cameras; by default two level views from the middle of each room, at most 20 in all.
     #[arg(long, value_name = "FILE")]
     cams: Option<PathBuf>,
     /// Pixels.
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_picture_size)]
-    pub size: (u32, u32),
+    size: (u32, u32),
     /// How often each frame is traced; the median counts.
     #[arg(long, value_name = "R", default_value_t = 5)]
     repeat: u32,
@@ -81,11 +81,11 @@ pub struct Common {
     kernels: Vec<String>,
     /// Print the report as JSON.
     #[arg(long)]
-    pub json: bool,
+    json: bool,
     #[command(flatten)]
-    pub reading: Reading,
+    reading: Reading,
     #[command(flatten)]
-    pub resources: Resources,
+    resources: Resources,
 }
 
 impl Common {
@@ -100,18 +100,8 @@ impl Common {
         }
     }
 
-    pub fn views(&self, scene: &Scene) -> Result<Vec<Camera>, Failure> {
-        /// As many as the documented figures use.
-        const MOST: usize = 20;
-        if let Some(path) = &self.cams {
-            return read_cameras(path, &scene.frame());
-        }
-        let views = room_views(scene, 2);
-        if views.is_empty() {
-            return Ok(vec![enfilade::render::outside_view(scene)]);
-        }
-        let step = views.len().div_ceil(MOST);
-        Ok(views.into_iter().step_by(step).collect())
+    fn views(&self, scene: &Scene) -> Result<Vec<Camera>, Failure> {
+        views(scene, self.cams.as_deref())
     }
 
     /// One thread unless asked for more: times of several depend on what else the machine does.
@@ -139,6 +129,21 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         (None, None, Some(name)) => run_speed(common, || frozen(name)),
         (None, None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
     }
+}
+
+/// The cameras of a file; by default two level views from the middle of each room, as many as the documented figures use.
+pub fn views(scene: &Scene, cams: Option<&Path>) -> Result<Vec<Camera>, Failure> {
+    /// As many as the documented figures use.
+    const MOST: usize = 20;
+    if let Some(path) = cams {
+        return read_cameras(path, &scene.frame());
+    }
+    let views = room_views(scene, 2);
+    if views.is_empty() {
+        return Ok(vec![enfilade::render::outside_view(scene)]);
+    }
+    let step = views.len().div_ceil(MOST);
+    Ok(views.into_iter().step_by(step).collect())
 }
 
 /// A frozen scene's model, made anew.

@@ -12,9 +12,11 @@ use enfilade::render::{Camera, parse_cameras};
 use enfilade::{Scene, compile};
 use serde::Serialize;
 
-use super::bench::{Common, frozen_model};
+use super::bench::{frozen_model, views};
 use super::failure::{Failure, Outcome};
+use super::input::{Reading, Resources};
 use super::output;
+use super::render::parse_picture_size;
 
 /// Cells of a scene, and how many of them rays cross: cut by cost, and by the base line of the paper.
 #[derive(Args)]
@@ -28,8 +30,19 @@ pub struct Arguments {
     /// A scene of benches/scenes.toml.
     #[arg(long, value_name = "NAME")]
     frozen: Vec<String>,
+    /// A file of cameras; by default two level views from the middle of each room, at most 20 in all.
+    #[arg(long, value_name = "FILE", conflicts_with = "frozen")]
+    cams: Option<PathBuf>,
+    /// Pixels.
+    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = parse_picture_size)]
+    size: (u32, u32),
+    /// Print the report as JSON.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
-    common: Common,
+    reading: Reading,
+    #[command(flatten)]
+    resources: Resources,
 }
 
 #[derive(Serialize)]
@@ -43,23 +56,24 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let common = &arguments.common;
-    let rows = common.resources.in_pool(|| {
+    let rows = arguments.resources.in_pool(|| {
         let mut rows = Vec::new();
         for path in &arguments.models {
-            let model = common.reading.model(path, &common.resources)?;
-            add(&mut rows, &path.display().to_string(), common, &model, |scene| common.views(scene))?;
+            let model = arguments.reading.model(path, &arguments.resources)?;
+            add(&mut rows, &path.display().to_string(), arguments, &model, |scene| {
+                views(scene, arguments.cams.as_deref())
+            })?;
         }
         for name in &arguments.frozen {
             let (frozen, model) = frozen_model(name)?;
-            add(&mut rows, name, common, &model, |scene| {
+            add(&mut rows, name, arguments, &model, |scene| {
                 parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())
                     .map_err(|e| Failure::Input(e.into()))
             })?;
         }
         Ok::<_, Failure>(rows)
     })??;
-    if common.json {
+    if arguments.json {
         return output::print_json(&rows);
     }
     let mut out = String::from(
@@ -89,15 +103,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 fn add(
     rows: &mut Vec<Row>,
     name: &str,
-    common: &Common,
+    arguments: &Arguments,
     model: &Model,
     views: impl Fn(&Scene) -> Result<Vec<Camera>, Failure>,
 ) -> Result<(), Failure> {
     let mut options = CrossingOptions::default();
-    options.size = common.size;
+    options.size = arguments.size;
     for (how, convexification) in [("cost", Convexification::Cost), ("diagonals", Convexification::Diagonals)]
     {
-        let mut compiling = common.reading.compile_options(&common.resources);
+        let mut compiling = arguments.reading.compile_options(&arguments.resources);
         compiling.convexification = convexification;
         let compiled = compile(model, &compiling).map_err(|e| Failure::input(format!("{name}: {e}")))?;
         let scene = compiled.scene();

@@ -112,6 +112,8 @@ pub(crate) struct Closing {
     sheets: BTreeMap<u32, Result<Sheet, Missing>>,
     /// The tables as they were opened.
     base: Option<Base>,
+    /// Elements that carve space in the file, where the tables no longer tell.
+    carving: Option<BTreeSet<u32>>,
 }
 
 impl Closing {
@@ -124,10 +126,22 @@ impl Closing {
         tables
     }
 
+    /// The closing of a scene with these tables, of which some solids may have been hidden: that of one where all stand as modelled.
+    pub(crate) fn of_hidden(&self, tables: &Views) -> Closing {
+        let carving = self.carving.clone().unwrap_or_else(|| carving(tables));
+        Closing { carving: Some(carving), ..Closing::default() }
+    }
+
     /// The openings that do not stand as modelled.
     pub(crate) fn stands(&self) -> Vec<(u32, Stand)> {
         self.stands.iter().map(|(&opening, &stand)| (opening, stand)).collect()
     }
+}
+
+/// Elements that carve space.
+fn carving(tables: &Views) -> BTreeSet<u32> {
+    let solids = tables.volumes.iter().filter(|volume| volume.role == Role::Solid as u32);
+    solids.map(|volume| volume.element).collect()
 }
 
 #[derive(Default)]
@@ -146,8 +160,7 @@ impl Known {
                 known.cells.entry(opening).or_default().push(index as u32);
             }
         }
-        let solids = scene.tables.volumes.iter().filter(|volume| volume.role == Role::Solid as u32);
-        known.carving = solids.map(|volume| volume.element).collect();
+        known.carving = scene.closing.carving.clone().unwrap_or_else(|| carving(&scene.tables));
         for element in scene.elements() {
             if let Some(leaf) = element.filling() {
                 known.leaves.entry(element.index()).or_default().insert(leaf);

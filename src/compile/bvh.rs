@@ -178,8 +178,10 @@ fn binary(triangles: &[Triangle], parts: &[Part]) -> Bvh2 {
     if !triangles.is_empty() {
         split_aabbs_preset(&mut boxes, &mut indices, triangles, average, largest);
     }
-    boxes.extend(boxes_of(&[], parts));
-    indices.extend(triangles.len() as u32..(triangles.len() + parts.len()) as u32);
+    // Between the triangles and what they were split into besides: `obvhs` takes a leaf's number for its place among the indices.
+    let whole = triangles.len();
+    boxes.splice(whole..whole, boxes_of(&[], parts));
+    indices.splice(whole..whole, whole as u32..(whole + parts.len()) as u32);
     let mut builder = PlocBuilder::with_capacity(boxes.len());
     let mut tree = builder.build(PlocSearchDistance::Medium, &boxes, indices, SortPrecision::U64, 3);
     if tree.depth(0) > DEEPEST_BINARY {
@@ -439,34 +441,54 @@ mod tests {
 
     /// The triangles under a link, each inside of the boxes on the way.
     fn under(
-        tables: &Tables,
+        nodes: &[NodeRecord],
+        leaves: &[u32],
         link: u32,
-        bounds: Option<[[f32; 3]; 2]>,
-        all: &[[[f64; 3]; 3]],
+        bounds: [[f32; 3]; 2],
+        corners: &dyn Fn(u32) -> [[f32; 3]; 3],
         found: &mut Vec<u32>,
     ) {
+        let [lo, hi] = bounds;
         if link & Leaf::BIT != 0 {
             let leaf = Leaf::new(link);
-            for &triangle in &tables.leaves[leaf.first()..leaf.first() + leaf.count()] {
-                // Of a triangle that was split no part is outside of all.
-                if let Some([lo, hi]) = bounds {
-                    let axis = |i: usize| all[triangle as usize].map(|p| p[i] as f32);
-                    let meets = |i: usize| {
-                        axis(i).into_iter().fold(f32::MAX, f32::min) <= hi[i]
-                            && axis(i).into_iter().fold(f32::MIN, f32::max) >= lo[i]
-                    };
-                    assert!((0..3).all(meets));
-                }
+            for &triangle in &leaves[leaf.first()..leaf.first() + leaf.count()] {
+                let corners = corners(triangle);
+                // Of a triangle that was split no part is beside its box.
+                let meets =
+                    |i: usize| corners.iter().any(|p| p[i] <= hi[i]) && corners.iter().any(|p| p[i] >= lo[i]);
+                assert!((0..3).all(meets), "triangle {triangle}");
                 found.push(triangle);
             }
             return;
         }
-        let node = &tables.nodes[link as usize];
+        let node = &nodes[link as usize];
         for lane in (0..LANES).filter(|&lane| node.child[lane] != NONE) {
             let child = node.child[lane];
             assert!(child & Leaf::BIT != 0 || child > link, "nodes come before what is below them");
-            let bounds = [node.lo.map(|axis| axis[lane]), node.hi.map(|axis| axis[lane])];
-            under(tables, child, Some(bounds), all, found);
+            let own = [node.lo.map(|axis| axis[lane]), node.hi.map(|axis| axis[lane])];
+            assert!((0..3).all(|i| own[0][i] <= hi[i] && own[1][i] >= lo[i]), "a box beside its parent's");
+            under(nodes, leaves, child, own, corners, found);
+        }
+    }
+
+    const EVERYWHERE: [[f32; 3]; 2] = [[f32::MIN; 3], [f32::MAX; 3]];
+
+    #[test]
+    fn all_triangles_are_under_the_root_of_a_scenes_first_cell() {
+        let models = [
+            crate::generate::house(&Default::default()).to_model().unwrap(),
+            crate::generate::build1(&Default::default()).to_model().unwrap(),
+        ];
+        for model in models {
+            let scene = crate::compile(&model, &crate::CompileOptions::default()).unwrap().scene();
+            let tables = &scene.tables;
+            let center = DVec3::from(tables.scene[0].center);
+            let corners = |t: u32| scene.triangle(t).map(|p| (DVec3::from(p) - center).as_vec3().to_array());
+            let mut found = Vec::new();
+            under(&tables.nodes, &tables.leaves, tables.cells[0].root, EVERYWHERE, &corners, &mut found);
+            found.sort_unstable();
+            found.dedup();
+            assert!(found.iter().copied().eq(0..scene.detail_triangle_count()));
         }
     }
 
@@ -475,7 +497,13 @@ mod tests {
         let all: Vec<[[f64; 3]; 3]> = (0..900)
             .map(|i| {
                 let at = |k: i32| f64::from((i * 7919 + k * 104_729) % 1000) / 10.0;
-                [[at(0), at(1), at(2)], [at(0) + 2.0, at(1), at(2)], [at(0), at(1) + 1.0, at(2) + 1.0]]
+                // Some so large that they are split.
+                let size = if i % 50 == 49 { 60.0 } else { 1.0 };
+                [
+                    [at(0), at(1), at(2)],
+                    [at(0) + 2.0 * size, at(1), at(2)],
+                    [at(0), at(1) + size, at(2) + size],
+                ]
             })
             .collect();
         // Groups of these many triangles each as a hierarchy of its own; the rest is the upper one's.
@@ -503,8 +531,8 @@ mod tests {
                 built.into_iter().map(|(hierarchy, _, ids)| hierarchy.append(&ids, &mut tables)).collect();
             Hierarchy::link(count, 0, &roots, &mut tables);
             let mut found = Vec::new();
-            let shifted: Vec<_> = all.iter().map(|t| t.map(|p| p.map(|c| c - 50.0))).collect();
-            under(&tables, root, None, &shifted, &mut found);
+            let corners = |t: u32| all[t as usize].map(|p| p.map(|c| (c - 50.0) as f32));
+            under(&tables.nodes, &tables.leaves, root, EVERYWHERE, &corners, &mut found);
             found.sort_unstable();
             found.dedup();
             assert_eq!(found.len() as u32, first + rest.len() as u32, "{groups:?}");

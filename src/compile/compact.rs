@@ -7,6 +7,7 @@ use crate::format::records::CellRecord;
 
 /// The cells of a scene, their faces, and the bytes that both take in its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Graph {
     /// Prisms of air.
     pub air: u64,

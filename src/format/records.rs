@@ -199,6 +199,8 @@ impl CellRecord {
     pub const SOLID: u32 = 2;
     /// The flag of a prism of air into which the inside of no closed solid reaches, farther than cells differ from the model.
     pub const FREE: u16 = 1;
+    /// The flag of a prism of matter that rays are not to meet: at run time only, in no file.
+    pub(crate) const HIDDEN: u16 = 2;
 }
 
 /// Section `sides`: a vertical side of a prism, over the edge of its footprint from here to the next side's start.

@@ -497,12 +497,13 @@ impl<'a> Check<'a> {
     /// the kernels' stacks allow: so every walk ends.
     fn hierarchy(&self) -> Result<(), FormatError> {
         let v = self.views;
-        let mut depth = vec![0u32; v.nodes.len()];
+        let (mut depth, mut links) = (vec![0u32; v.nodes.len()], 0);
         let mut is_child = vec![false; v.nodes.len()];
         let cells = v.cells.iter().map(|c| c.root).enumerate().map(|(i, root)| ("cells", i, root));
         let sources = v.sources.iter().map(|s| s.root).enumerate().map(|(i, root)| ("sources", i, root));
         for (section, i, root) in cells.chain(sources).filter(|&(_, _, root)| root != NONE) {
             let fresh = if root & Leaf::BIT != 0 {
+                links += 1;
                 self.is_leaf(root)
             } else {
                 depth.get_mut(root as usize).is_some_and(|d| std::mem::replace(d, 1) == 0)
@@ -524,6 +525,7 @@ impl<'a> Check<'a> {
                     continue;
                 }
                 if child & Leaf::BIT != 0 {
+                    links += 1;
                     ensure(self.is_leaf(child), "nodes", i, || format!("leaf {child:#x} is not there"))?;
                 } else {
                     let fresh = child as usize > i
@@ -536,6 +538,10 @@ impl<'a> Check<'a> {
         let detail = v.scene[0].detail_triangles;
         ensure(v.leaves.len() <= Leaf::MOST, "leaves", Leaf::MOST, || {
             "more than links can count".to_owned()
+        })?;
+        // What opening makes of them is ten times as large: none are there that nothing refers to.
+        ensure(v.leaves.len() <= LANES * links, "leaves", LANES * links, || {
+            "no leaf refers to it".to_owned()
         })?;
         match v.leaves.iter().position(|&triangle| triangle != NONE && triangle >= detail) {
             Some(i) => invalid("leaves", i, format!("triangle {}", v.leaves[i])),

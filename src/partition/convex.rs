@@ -55,6 +55,7 @@ pub enum RegionError {
 
 /// How regions are cut into convex parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Convexification {
     /// By the expected cost of rays: few parts with short cuts between them, hoods over curved walls.
     #[default]
@@ -68,7 +69,7 @@ pub enum Convexification {
 ///
 /// # Errors
 /// As [`convex_parts`].
-pub fn cut(
+pub(crate) fn cut(
     loops: &[Vec<u32>],
     points: &mut Vec<Point>,
     how: Convexification,
@@ -84,7 +85,7 @@ pub fn cut(
         return convex_parts(loops, points);
     }
     let mut best = convex_parts(loops, points)?;
-    if !hooded || best.len() == 1 {
+    if !hooded || best.len() == 1 || !hoods::has_curve(loops, points) {
         return Ok(best);
     }
     let mut least = expected_cost(&best, points);
@@ -112,7 +113,7 @@ const ANGLES: [f64; 4] = [-0.09, 0.5, std::f64::consts::FRAC_1_SQRT_2, 0.866];
 
 /// What a random ray through a region may expect to pay, but for a factor: it crosses a convex part as often as that is long about (Cauchy and
 /// Crofton), and pays for a part's corners where they are more than kernels look at together.
-pub fn expected_cost(parts: &[Vec<u32>], points: &[Point]) -> f64 {
+pub(crate) fn expected_cost(parts: &[Vec<u32>], points: &[Point]) -> f64 {
     /// Corners that are looked at together.
     const TOGETHER: usize = 8;
     /// What one more costs, in crossings.

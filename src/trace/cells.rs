@@ -122,9 +122,9 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
         // and flat along that what it meets behind would be off by many times as much.
         let margin = self.path.prisms.rounding().min(self.surfaces.tolerance);
         let cell = self.path.prisms.place(point, margin).ok_or(UNSURE)?;
-        match self.path.prisms.cells[cell as usize].kind {
-            CellRecord::AIR => Ok(cell),
-            _ => Err(Unsure { in_matter: true }),
+        match self.path.prisms.cells[cell as usize] {
+            CellRecord { kind: CellRecord::AIR, .. } => Ok(cell),
+            CellRecord { flags, .. } => Err(Unsure { in_matter: flags & CellRecord::HIDDEN == 0 }),
         }
     }
 

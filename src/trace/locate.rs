@@ -61,6 +61,8 @@ impl Scene {
             if prisms.cells[cell as usize].kind == CellRecord::AIR {
                 return self.place_in(cell);
             }
+            // Air between matter that cells take for a part of it.
+            cell = 0;
         }
         let label = smallest(self, point, Role::Air);
         let semantic = label.map_or(Semantic::Unknown, |volume| {

@@ -3,7 +3,7 @@
 //! After Fernandez, Toth, Canovas and Pelegrin, "A practical algorithm for decomposing polygonal domains into convex polygons by diagonals"
 //! (TOP 16, 2008), which Maria, Horna and Aveneau use: from a corner a convex chain is grown onward, then backward, and shortened until no reflex
 //! corner is left inside of it; its closing diagonal cuts it off; at last diagonals whose ends stay convex without them go, in the order in
-//! which they were drawn. Holes are bridged beforehand, by the shortest diagonal from each to what is bridged already.
+//! which they were drawn. Holes are bridged beforehand, from right to left, by the shortest diagonal from each to what is bridged already.
 //!
 //! A reflex corner keeps at most two diagonals, so that there are at most twice as many parts as reflex corners, and one. (One diagonal
 //! for each is not always enough: a pentagon with one deep reflex corner between two far ones needs three parts.)
@@ -37,6 +37,9 @@ pub(super) fn cut(region: &Region) -> Result<Vec<Vec<u32>>, RegionError> {
     if is_cut { Ok(parts) } else { Err(nowhere()) }
 }
 
+/// Regions in which a hole and the rest have more pairs of corners are not cut in this way.
+const MOST_PAIRS: usize = 1 << 22;
+
 /// A boundary of one chain, in which bridges occur twice.
 struct Bridged<'a> {
     region: &'a Region,
@@ -45,23 +48,28 @@ struct Bridged<'a> {
 }
 
 impl Bridged<'_> {
-    /// Bridges all holes, each time the one that is nearest to what is bridged; `None` if one cannot be seen.
+    /// Bridges all holes, each by the shortest diagonal to what is bridged already; `None` if one cannot be seen, or there are too many corners.
     fn all(&mut self, mut holes: Vec<&Vec<u32>>) -> Option<()> {
-        while !holes.is_empty() {
-            let mut pairs: Vec<(i64, usize, usize, usize)> = Vec::new();
-            for (h, hole) in holes.iter().enumerate() {
-                for (i, &v) in hole.iter().enumerate() {
-                    for (k, &w) in self.chain.iter().enumerate() {
-                        let [p, q] = [v, w].map(|v| self.region.points[v as usize]);
-                        let (dx, dy) = (i64::from(p.x) - i64::from(q.x), i64::from(p.y) - i64::from(q.y));
-                        pairs.push((dx * dx + dy * dy, h, i, k));
-                    }
+        // The one that reaches farthest to the right first: nothing but what is bridged already is between it and that.
+        let right = |hole: &[u32]| hole.iter().map(|&v| self.region.points[v as usize]).max();
+        holes.sort_by_key(|hole| std::cmp::Reverse(right(hole)));
+        for at in 0..holes.len() {
+            let (hole, rest) = (holes[at], &holes[at..]);
+            if hole.len() * self.chain.len() > MOST_PAIRS {
+                return None;
+            }
+            let mut pairs: Vec<(i64, u32, u32)> = Vec::with_capacity(hole.len() * self.chain.len());
+            for (i, &v) in (0..).zip(hole) {
+                for (k, &w) in (0..).zip(&self.chain) {
+                    let [p, q] = [v, w].map(|v| self.region.points[v as usize]);
+                    let (dx, dy) = (i64::from(p.x) - i64::from(q.x), i64::from(p.y) - i64::from(q.y));
+                    pairs.push((dx * dx + dy * dy, i, k));
                 }
             }
             pairs.sort_unstable();
-            let (_, h, i, k) =
-                pairs.into_iter().find(|&(_, h, i, k)| self.is_free(&holes, holes[h], i, k))?;
-            let hole = holes.swap_remove(h);
+            let free = |&(_, i, k): &(i64, u32, u32)| self.is_free(rest, hole, i as usize, k as usize);
+            let (_, i, k) = pairs.into_iter().find(free)?;
+            let (i, k) = (i as usize, k as usize);
             let around = (0..=hole.len()).map(|j| hole[(i + j) % hole.len()]);
             let bridge: Vec<u32> = around.chain([self.chain[k]]).collect();
             self.diagonals.push([self.chain[k], hole[i]]);

@@ -25,12 +25,32 @@ pub(super) struct Hooded {
     pub(super) corners: Vec<Vec<u32>>,
 }
 
+/// Work that a region's hoods may take, edges looked at: some seconds.
+const MOST_WORK: u64 = 1 << 30;
+
+/// Whether a region has a curve at all.
+pub(super) fn has_curve(loops: &[Vec<u32>], points: &[Point]) -> bool {
+    loops.iter().any(|chain| {
+        let n = chain.len();
+        let bends = |k: usize| (0..LEAST_CORNERS).all(|j| is_bend(chain, k + j, points));
+        (0..n).any(bends)
+    })
+}
+
+/// Whether a chain turns gently away from the region at a place.
+fn is_bend(chain: &[u32], place: usize, points: &[Point]) -> bool {
+    let n = chain.len();
+    let at = |k: usize| points[chain[k % n] as usize];
+    let (a, b, c) = (at(place + n - 1), at(place), at(place + 1));
+    orient(a, b, c) < 0 && matches!((unit(a, b), unit(b, c)), (Some(u), Some(v)) if dot(u, v) > GENTLE)
+}
+
 /// Puts hoods over the curves of a region, as `convex_parts` takes it, whose sides turn by no more than the angle of this cosine from one to
 /// the next. `None` if there is none that fits.
 pub(super) fn hooded(loops: &[Vec<u32>], points: &[Point], cosine: f64) -> Option<Hooded> {
     let mut visits: HashMap<u32, u32> = HashMap::new();
     loops.iter().flatten().for_each(|&v| *visits.entry(v).or_default() += 1);
-    let mut site = Site { points: points.to_vec(), edges: Vec::new(), cosine, corners: Vec::new() };
+    let mut site = Site { points: points.to_vec(), edges: Vec::new(), cosine, corners: Vec::new(), work: 0 };
     for chain in loops {
         site.edges.extend((0..chain.len()).map(|i| [chain[i], chain[(i + 1) % chain.len()]]));
     }
@@ -38,6 +58,9 @@ pub(super) fn hooded(loops: &[Vec<u32>], points: &[Point], cosine: f64) -> Optio
     let Site { points, corners, .. } = site;
     (!corners.is_empty()).then_some(Hooded { points, chains, corners })
 }
+
+/// Corners of hoods are moved out by so much at most, lattice units: roundings put them in by less.
+const FARTHEST: i32 = 128;
 
 type Vector = [f64; 2];
 
@@ -47,6 +70,8 @@ struct Site {
     edges: Vec<[u32; 2]>,
     cosine: f64,
     corners: Vec<Vec<u32>>,
+    /// Edges looked at so far.
+    work: u64,
 }
 
 /// A curve of a chain, from corner to corner along it.
@@ -73,13 +98,8 @@ impl Site {
     /// The chain with hoods for its curves.
     fn chain(&mut self, chain: &[u32], is_shared: &dyn Fn(u32) -> bool) -> Vec<u32> {
         let n = chain.len();
-        let is_bend = |i: usize| {
-            let (before, here, after) = (chain[(i + n - 1) % n], chain[i], chain[(i + 1) % n]);
-            let (a, b, c) = (self.at(before), self.at(here), self.at(after));
-            let is_gentle = matches!((unit(a, b), unit(b, c)), (Some(u), Some(v)) if dot(u, v) > GENTLE);
-            orient(a, b, c) < 0 && is_gentle && !is_shared(here)
-        };
-        let bends: Vec<bool> = (0..n).map(is_bend).collect();
+        let bends: Vec<bool> =
+            (0..n).map(|i| is_bend(chain, i, &self.points) && !is_shared(chain[i])).collect();
         if bends.iter().all(|&bend| bend) {
             // From the corner farthest to the right on.
             let first = (0..n).max_by_key(|&i| (self.at(chain[i]), i)).unwrap_or(0);
@@ -119,11 +139,17 @@ impl Site {
     fn hood(&mut self, corners: Vec<u32>, beside: Option<[u32; 2]>) -> Option<Vec<u32>> {
         let curve = self.curve(corners, beside)?;
         let places = self.places(&curve)?;
+        self.work += self.edges.len() as u64;
+        if self.work > MOST_WORK {
+            return None;
+        }
+        let near = self.near(&curve, &places);
         // Farther out until no corner that the hood touches is reflex any more.
-        let steps = (0..8).find_map(|k| {
-            let step = |&places| Some(Step { places, peak: self.peak(&curve, places, 1 << k)? });
+        let out = (0..).map(|k| 1 << k).take_while(|&out| out <= FARTHEST);
+        let steps = out.into_iter().find_map(|out| {
+            let step = |&places| Some(Step { places, peak: self.peak(&curve, places, out)? });
             let steps: Option<Vec<Step>> = places.iter().map(step).collect();
-            steps.filter(|steps| self.is_hood(&curve, steps))
+            steps.filter(|steps| self.is_hood(&curve, steps, &near))
         })?;
         let mut hood = Vec::with_capacity(2 * steps.len() + 1);
         for Step { places: [from, to], peak } in steps {
@@ -192,8 +218,24 @@ impl Site {
         Some(Point { x: at(a.x, 0)?, y: at(a.y, 1)? })
     }
 
+    /// The edges that come near to a curve or its hood, however far out that is.
+    fn near(&self, curve: &Curve, places: &[[usize; 2]]) -> Vec<[u32; 2]> {
+        let peaks = places.iter().filter_map(|&places| self.peak(curve, places, FARTHEST));
+        let all: Vec<Point> = curve.corners.iter().map(|&v| self.at(v)).chain(peaks).collect();
+        let bounds = |pick: fn(&Point) -> i32| {
+            let (lo, hi) = (all.iter().map(pick).min(), all.iter().map(pick).max());
+            [lo.unwrap_or(0) - FARTHEST, hi.unwrap_or(0) + FARTHEST]
+        };
+        let (x, y) = (bounds(|p| p.x), bounds(|p| p.y));
+        let is_near = |&&[a, b]: &&[u32; 2]| {
+            let (a, b) = (self.at(a), self.at(b));
+            a.x.max(b.x) >= x[0] && a.x.min(b.x) <= x[1] && a.y.max(b.y) >= y[0] && a.y.min(b.y) <= y[1]
+        };
+        self.edges.iter().filter(is_near).copied().collect()
+    }
+
     /// Whether the steps make a hood: over the curve, inside the region, without reflex corners where it touches the curve.
-    fn is_hood(&self, curve: &Curve, steps: &[Step]) -> bool {
+    fn is_hood(&self, curve: &Curve, steps: &[Step], near: &[[u32; 2]]) -> bool {
         let corner = |place: usize| self.at(curve.corners[place]);
         let beside = |k: usize| curve.beside.map(|ids| self.at(ids[k]));
         let last = steps[steps.len() - 1];
@@ -213,7 +255,7 @@ impl Site {
                 return false;
             }
             let sides = [(curve.corners[from], [a, peak]), (curve.corners[to], [peak, b])];
-            let is_free = self.edges.iter().all(|ids| {
+            let is_free = near.iter().all(|ids| {
                 let edge = ids.map(|v| self.at(v));
                 // What begins or ends where a side does is told by the angles above.
                 sides.iter().all(|&(id, side)| ids.contains(&id) || !meet(side, edge))
