@@ -173,6 +173,8 @@ mod tests {
             let [lo, hi] = scene.hull();
             let mut random = crate::splitmix::SplitMix64::new(12);
             let (mut met, mut unlike) = (0, 0);
+            // Planes behind faces and their triangles round apart.
+            let is_alike = |a: f64, b: f64| a == b || (a - b).abs() < 1e-9 || (a.is_nan() && b.is_nan());
             for _ in 0..6000 {
                 let from = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
                 let ray = Ray::new(from, [0; 3].map(|_| random.between(-1.0, 1.0)));
@@ -182,7 +184,7 @@ mod tests {
                     trace(&hidden, crate::Start::Anywhere, &ray),
                     trace(&other, crate::Start::Anywhere, &ray),
                 );
-                assert!(one.t == two.t || (one.t.is_nan() && two.t.is_nan()), "{ray:?} {one:?} {two:?}");
+                assert!(is_alike(one.t, two.t), "{ray:?} {one:?} {two:?}");
                 if one.triangle == NONE || one.t.is_nan() {
                     continue;
                 }
@@ -192,7 +194,7 @@ mod tests {
                     trace(&hidden, crate::Start::Hit(&one), &on),
                     trace(&other, crate::Start::Hit(&two), &on),
                 );
-                unlike += u32::from(one.t != two.t);
+                unlike += u32::from(!is_alike(one.t, two.t));
             }
             // Restarts near edges may tell apart surfaces that touch.
             assert!(met > 1500 && unlike <= met / 500, "{unlike} of {met}");
