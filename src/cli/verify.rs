@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use enfilade::importers::{Element, Role};
+use enfilade::importers::Role;
 use enfilade::roles::roles;
 use enfilade::verify::{Case, MOST_EXCUSED, standing, tell_sheets, without};
 use enfilade::{Hit, Ray, VerifyOptions, VerifyReport, Want, verify};
@@ -78,16 +78,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         arguments.doors.apply(&mut scene, &arguments.resources)?;
         let hidden = arguments.hide.apply(&mut scene)?;
         let own = model.elements.len();
-        let lacks =
-            |element: &Element, index: u32| element.mesh.materials.iter().any(|m| hidden.has(index, m.0));
-        let lacking: Vec<u32> = model
-            .elements
-            .iter()
-            .zip(0..)
-            .filter(|(element, index)| lacks(element, *index))
-            .map(|(_, index)| index)
-            .collect();
-        let model = standing(without(model, |element, material| hidden.has(element, material)), &scene);
+        let (model, lacking) = without(model, |element, material| hidden.has(element, material));
+        let model = standing(model, &scene);
         let mut roles = roles(&model, arguments.reading.untagged.untagged());
         lacking.into_iter().for_each(|element| roles[element as usize] = Role::Detail);
         roles[own..].fill(Role::Detail);

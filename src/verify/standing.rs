@@ -35,8 +35,9 @@ pub fn standing(mut model: Model, scene: &Scene) -> Model {
 }
 
 /// The model without the triangles that `is_hidden`, which gets the indices of an element and of a material: the truth of
-/// [`Scene::without`], where elements that lack any of them are detail.
-pub fn without(mut model: Model, is_hidden: impl Fn(u32, u32) -> bool) -> Model {
+/// [`Scene::without`]. And the indices of the elements that lack any of them: these are detail now, whatever role they had.
+pub fn without(mut model: Model, is_hidden: impl Fn(u32, u32) -> bool) -> (Model, Vec<u32>) {
+    let mut lacking = Vec::new();
     for (element, index) in model.elements.iter_mut().zip(0u32..) {
         let mesh = &mut element.mesh;
         let keep: Vec<bool> = mesh.materials.iter().map(|material| !is_hidden(index, material.0)).collect();
@@ -44,8 +45,11 @@ pub fn without(mut model: Model, is_hidden: impl Fn(u32, u32) -> bool) -> Model 
         mesh.triangles.retain(|_| kept.next().is_none_or(|&keep| keep));
         let mut kept = keep.iter();
         mesh.materials.retain(|_| kept.next().is_none_or(|&keep| keep));
+        if keep.contains(&false) {
+            lacking.push(index);
+        }
     }
-    model
+    (model, lacking)
 }
 
 /// Makes hits on sheets those on the elements that [`standing`] adds for them to a model of so many.
