@@ -17,7 +17,8 @@ use super::input::{Reading, Resources};
 use super::output;
 use super::render::{parse_picture_size, read_cameras};
 
-/// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong.
+/// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong; with `cells`, how many cells rays
+/// cross.
 #[derive(Args)]
 #[command(
     args_conflicts_with_subcommands = true,
