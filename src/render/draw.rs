@@ -9,7 +9,7 @@ use super::color::{ColorMode, IN_SOLID, SKY, linear, ramp};
 use super::picture::{Picture, Pixel};
 use super::shade::shade;
 use crate::scene::Scene;
-use crate::trace::{Place, Start, Want};
+use crate::trace::{Hit, Place, Ray, Start, Starts, Want};
 
 /// How to make a picture.
 #[derive(Clone, Debug)]
@@ -71,6 +71,9 @@ pub enum RenderError {
 /// Pictures are made in squares of this many pixels, whose rays meet much the same things.
 const TILE: u32 = 16;
 
+/// Rays that are traced together are those of so many columns and rows, which meet the same more often than those of a row.
+const GROUP: (u32, u32) = (4, 2);
+
 /// Edge of the squares of what is seen from inside a solid.
 const CHECKER: u32 = 16;
 
@@ -100,7 +103,7 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
         pinhole: camera.pinhole(width, height),
         options,
         // From within a solid each ray must see for itself whether it leaves it within the tolerance.
-        start: if let Place::Air { cell, .. } = place { Start::Cell(cell) } else { Start::Anywhere },
+        starts: if let Place::Air { cell, .. } = place { Starts::Cell(cell) } else { Starts::Anywhere },
         bands: height.div_ceil(TILE) as usize,
         done: AtomicUsize::new(0),
     };
@@ -123,7 +126,7 @@ struct Job<'a> {
     scene: &'a Scene,
     pinhole: Pinhole,
     options: &'a RenderOptions,
-    start: Start<'a>,
+    starts: Starts<'a>,
     bands: usize,
     done: AtomicUsize,
 }
@@ -145,11 +148,12 @@ impl Job<'_> {
         self.options.watch.check()?;
         let (width, top) = (self.options.width, index as u32 * TILE);
         let height = (rows.len() / width as usize) as u32;
+        let mut tile = Tile::default();
         for left in (0..width).step_by(TILE as usize) {
-            for row in 0..height {
-                for x in left..width.min(left.saturating_add(TILE)) {
-                    rows[row as usize * width as usize + x as usize] = self.pixel(x, top + row);
-                }
+            tile.fill([left, top], [width.min(left.saturating_add(TILE)), top + height]);
+            self.trace(&mut tile);
+            for (index, &[x, y]) in tile.places.iter().enumerate() {
+                rows[(y - top) as usize * width as usize + x as usize] = self.pixel([x, y], &tile, index);
             }
         }
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -157,24 +161,68 @@ impl Job<'_> {
         Ok(())
     }
 
-    fn pixel(&self, x: u32, y: u32) -> Pixel {
-        let ray = self.pinhole.ray(x, y);
-        let mode = self.options.color;
-        let (hit, cost) = if mode == ColorMode::Cost {
-            let (hit, cost) = self.scene.trace_cost_from(self.start, &ray, Want::default());
-            (hit, cost.total())
-        } else {
-            let want = Want::default();
-            let want = if mode == ColorMode::Face { want.with_face() } else { want };
-            (self.scene.trace_from(self.start, &ray, want), 0)
+    /// What the rays of a tile meet.
+    fn trace(&self, tile: &mut Tile) {
+        let rays = tile.places.iter().map(|&[x, y]| self.pinhole.ray(x, y));
+        tile.rays.clear();
+        tile.rays.extend(rays);
+        tile.hits.clear();
+        tile.costs.clear();
+        let want = Want::default();
+        let want = match self.options.color {
+            ColorMode::Cost => {
+                // Steps are those of rays by themselves.
+                let start =
+                    if let Starts::Cell(cell) = self.starts { Start::Cell(cell) } else { Start::Anywhere };
+                for ray in &tile.rays {
+                    let (hit, cost) = self.scene.trace_cost_from(start, ray, want);
+                    tile.hits.push(hit);
+                    tile.costs.push(cost.total());
+                }
+                return;
+            }
+            ColorMode::Face => want.with_face(),
+            _ => want,
         };
-        let mut pixel = Pixel { cost, ..Pixel::new(&hit) };
+        tile.hits.resize(tile.rays.len(), Hit::ESCAPED);
+        self.scene.trace_many_of(self.starts, &tile.rays, &mut tile.hits, want);
+    }
+
+    fn pixel(&self, [x, y]: [u32; 2], tile: &Tile, index: usize) -> Pixel {
+        let (ray, hit) = (&tile.rays[index], &tile.hits[index]);
+        let mut pixel = Pixel { cost: tile.costs.get(index).map_or(0, |&cost| cost), ..Pixel::new(hit) };
         pixel.color = if pixel.is_in_solid() {
             linear(IN_SOLID[((x / CHECKER + y / CHECKER) % 2) as usize])
         } else {
-            shade(self.scene, &ray, &hit, mode, &self.options.frame)
+            shade(self.scene, ray, hit, self.options.color, &self.options.frame)
         };
         pixel
+    }
+}
+
+/// Some pixels, group by group, and what their rays meet.
+#[derive(Default)]
+struct Tile {
+    places: Vec<[u32; 2]>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    /// Steps, if they are counted.
+    costs: Vec<u32>,
+}
+
+impl Tile {
+    /// The pixels from one place up to another.
+    fn fill(&mut self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) {
+        let (columns, rows) = GROUP;
+        self.places.clear();
+        for group_y in (top..bottom).step_by(rows as usize) {
+            for group_x in (left..right).step_by(columns as usize) {
+                for y in group_y..group_y + rows.min(bottom - group_y) {
+                    let across = columns.min(right - group_x);
+                    self.places.extend((group_x..group_x + across).map(|x| [x, y]));
+                }
+            }
+        }
     }
 }
 

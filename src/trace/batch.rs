@@ -145,7 +145,7 @@ impl Scene {
         self.trace_many_of(Starts::Cell(cell), rays, hits, want);
     }
 
-    fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
+    pub(crate) fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
         self.many::<false, _>(
             self.kernel,
             starts,
