@@ -23,6 +23,7 @@ pub struct Tracer {
 
 enum Way {
     Kernel(Kernel, Arc<Scene>),
+    Batch(Arc<Scene>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
 }
@@ -84,13 +85,15 @@ impl Rounded {
 /// The names of all ways that this machine has.
 pub fn names() -> Vec<String> {
     let kernels = Kernel::available().into_iter().map(|k| format!("enfilade-{}", k.name()));
-    kernels.chain(["obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned)).collect()
+    kernels.chain(["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned)).collect()
 }
 
 impl Tracer {
     /// The way of this name, over the triangles of `scene`.
     pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
-        let way = if let Some(kernel) = name.strip_prefix("enfilade-") {
+        let way = if name == "enfilade-batch" {
+            Way::Batch(Arc::clone(scene))
+        } else if let Some(kernel) = name.strip_prefix("enfilade-") {
             Way::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {
             let rounded = Rounded::new(scene);
@@ -121,10 +124,17 @@ impl Tracer {
     pub fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
         match &self.way {
             Way::Kernel(kernel, scene) => {
+                // As a caller would who knows that rays start where the last one did.
+                let (mut origin, mut start) = ([f64::NAN; 3], Start::Anywhere);
                 for (ray, hit) in rays.iter().zip(hits) {
-                    *hit = scene.trace_with(*kernel, Start::Cell(0), ray, Want::LEAST);
+                    if ray.origin != origin {
+                        origin = ray.origin;
+                        start = scene.free_cell(origin).map_or(Start::Anywhere, Start::Cell);
+                    }
+                    *hit = scene.trace_with(*kernel, start, ray, Want::LEAST);
                 }
             }
+            Way::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
             Way::Bvh2(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
                 bvh.ray_traverse(ray, found, |ray, place| {
                     rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)

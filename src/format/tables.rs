@@ -16,7 +16,7 @@ use super::records::{
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
-use crate::trace::{NONE, Part, Plate, Prisms, Step, plate_of, step_of};
+use crate::trace::{Finder, FreeGrid, NONE, Part, Plate, Prisms, Step, plate_of, step_of};
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
@@ -85,7 +85,8 @@ sections! {
     Tables,
     /// The tables of an opened scene, in place.
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
-    derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived parts: Part;
+    derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived parts: Part,
+    derived freegrid: FreeGrid, derived freestarts: u32, derived freecells: u32;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -271,11 +272,22 @@ impl Views {
         let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut parts)).collect();
         let plate = |plane: u32| plate_of(&self.triangles, &self.vertices, plane);
         let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
+        let finder = Finder::new(&self.scene[0], &self.cells, &steps);
         (self.steps, self.parts, self.plates) = (View::own(steps), View::own(parts), View::own(plates));
+        self.freegrid = View::own(vec![finder.grid]);
+        (self.freestarts, self.freecells) = (View::own(finder.starts), View::own(finder.cells));
     }
 }
 
 impl Views {
+    /// Whether there is such a cell, and it is a prism of air.
+    #[inline(always)]
+    pub(crate) fn is_air(&self, cell: u32) -> bool {
+        // What kernels read of it first, in most cases.
+        self.steps.get(cell as usize).is_some_and(Step::is_some)
+            || self.cells.get(cell as usize).is_some_and(|cell| cell.kind == CellRecord::AIR)
+    }
+
     /// A triangle.
     #[inline]
     pub(crate) fn record(&self, triangle: u32) -> TriangleRecord {

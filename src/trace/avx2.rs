@@ -3,18 +3,20 @@
 
 use std::arch::x86_64::{
     __m256, __m256d, _CMP_LE_OQ, _mm256_add_pd, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_pd,
-    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
-    _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_ps, _mm256_div_pd, _mm256_div_ps,
-    _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps,
-    _mm256_min_pd, _mm256_min_ps, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
-    _mm256_or_ps, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps, _mm256_set_m128,
-    _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_sqrt_pd,
-    _mm256_storeu_pd, _mm256_storeu_ps, _mm256_sub_pd, _mm256_sub_ps, _mm256_unpackhi_pd, _mm256_unpackhi_ps,
-    _mm256_unpacklo_pd, _mm256_unpacklo_ps, _mm256_xor_ps,
+    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128,
+    _mm256_castsi256_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_ps, _mm256_cvtps_pd,
+    _mm256_div_pd, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_loadu_pd,
+    _mm256_loadu_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_movemask_pd,
+    _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_or_ps, _mm256_permute2f128_pd,
+    _mm256_permute2f128_ps, _mm256_permutevar8x32_ps, _mm256_set_m128, _mm256_set1_epi32, _mm256_set1_pd,
+    _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_storeu_ps,
+    _mm256_sub_pd, _mm256_sub_ps, _mm256_unpackhi_pd, _mm256_unpackhi_ps, _mm256_unpacklo_pd,
+    _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 
 use super::kernel::Probe;
-use super::lanes::{Lanes, Mask, Wide};
+use super::lanes::{Lanes, Wide};
+use super::locate;
 use super::packet::{self, Eight};
 use super::quick::{self, Quick};
 use super::ray::Ray;
@@ -142,13 +144,57 @@ fn columns([r0, r1, r2, r3]: [&[f64; 4]; 4]) -> [__m256d; 4] {
     }
 }
 
+/// Eight rows, their columns.
+///
+/// # Safety
+/// The CPU must have AVX.
+#[inline(always)]
+pub(super) unsafe fn transpose([r0, r1, r2, r3, r4, r5, r6, r7]: [__m256; LANES]) -> [__m256; LANES] {
+    // SAFETY: the caller's.
+    unsafe {
+        // Pairs of lanes of two rows, then fours of four, then eights of all.
+        let low = |a: __m256, b: __m256| _mm256_unpacklo_ps(a, b);
+        let high = |a: __m256, b: __m256| _mm256_unpackhi_ps(a, b);
+        let (a0, a1) = (low(r0, r1), high(r0, r1));
+        let (a2, a3) = (low(r2, r3), high(r2, r3));
+        let (a4, a5) = (low(r4, r5), high(r4, r5));
+        let (a6, a7) = (low(r6, r7), high(r6, r7));
+        let first = |a: __m256, b: __m256| _mm256_shuffle_ps::<0x44>(a, b);
+        let last = |a: __m256, b: __m256| _mm256_shuffle_ps::<0xee>(a, b);
+        let (b0, b1, b2, b3) = (first(a0, a2), last(a0, a2), first(a1, a3), last(a1, a3));
+        let (b4, b5, b6, b7) = (first(a4, a6), last(a4, a6), first(a5, a7), last(a5, a7));
+        let lower = |a: __m256, b: __m256| _mm256_permute2f128_ps::<0x20>(a, b);
+        let upper = |a: __m256, b: __m256| _mm256_permute2f128_ps::<0x31>(a, b);
+        [
+            lower(b0, b4),
+            lower(b1, b5),
+            lower(b2, b6),
+            lower(b3, b7),
+            upper(b0, b4),
+            upper(b1, b5),
+            upper(b2, b6),
+            upper(b3, b7),
+        ]
+    }
+}
+
 impl Lanes for Avx2 {
     type Wide = Avx2Wide;
+    /// Lanes of all ones or all zeros.
+    type Mask = Avx2;
 
     #[inline(always)]
     fn narrow(wide: Avx2Wide) -> Self {
         // SAFETY: see `Avx2`.
         Avx2(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(wide.1), _mm256_cvtpd_ps(wide.0)) })
+    }
+    #[inline(always)]
+    fn widen(self) -> Avx2Wide {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let (first, second) = (_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            Avx2Wide(_mm256_cvtps_pd(first), _mm256_cvtps_pd(second))
+        }
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -223,29 +269,29 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(_mm256_set1_ps(-0.0), sign.0)) })
     }
     #[inline(always)]
-    fn le(self, other: Self) -> Mask<Self> {
+    fn le(self, other: Self) -> Self::Mask {
         // SAFETY: see `Avx2`.
-        Mask(Avx2(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) }))
+        Avx2(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
     }
     #[inline(always)]
-    fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         // SAFETY: see `Avx2`.
-        Mask(Avx2(unsafe { _mm256_and_ps(a.0.0, b.0.0) }))
+        Avx2(unsafe { _mm256_and_ps(a.0, b.0) })
     }
     #[inline(always)]
-    fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         // SAFETY: see `Avx2`.
-        Mask(Avx2(unsafe { _mm256_or_ps(a.0.0, b.0.0) }))
+        Avx2(unsafe { _mm256_or_ps(a.0, b.0) })
     }
     #[inline(always)]
-    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         // SAFETY: see `Avx2`.
-        Mask(Avx2(unsafe { _mm256_andnot_ps(a.0.0, b.0.0) }))
+        Avx2(unsafe { _mm256_andnot_ps(a.0, b.0) })
     }
     #[inline(always)]
-    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self {
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
         // SAFETY: see `Avx2`.
-        Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0.0) })
+        Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0) })
     }
     #[inline(always)]
     fn differs(self, other: f32) -> u32 {
@@ -259,36 +305,14 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn transpose([r0, r1, r2, r3, r4, r5, r6, r7]: [Self; LANES]) -> [Self; LANES] {
         // SAFETY: see `Avx2`.
-        unsafe {
-            // Pairs of lanes of two rows, then fours of four, then eights of all.
-            let low = |a: __m256, b: __m256| _mm256_unpacklo_ps(a, b);
-            let high = |a: __m256, b: __m256| _mm256_unpackhi_ps(a, b);
-            let (a0, a1) = (low(r0.0, r1.0), high(r0.0, r1.0));
-            let (a2, a3) = (low(r2.0, r3.0), high(r2.0, r3.0));
-            let (a4, a5) = (low(r4.0, r5.0), high(r4.0, r5.0));
-            let (a6, a7) = (low(r6.0, r7.0), high(r6.0, r7.0));
-            let first = |a: __m256, b: __m256| _mm256_shuffle_ps::<0x44>(a, b);
-            let last = |a: __m256, b: __m256| _mm256_shuffle_ps::<0xee>(a, b);
-            let (b0, b1, b2, b3) = (first(a0, a2), last(a0, a2), first(a1, a3), last(a1, a3));
-            let (b4, b5, b6, b7) = (first(a4, a6), last(a4, a6), first(a5, a7), last(a5, a7));
-            let lower = |a: __m256, b: __m256| Avx2(_mm256_permute2f128_ps::<0x20>(a, b));
-            let upper = |a: __m256, b: __m256| Avx2(_mm256_permute2f128_ps::<0x31>(a, b));
-            [
-                lower(b0, b4),
-                lower(b1, b5),
-                lower(b2, b6),
-                lower(b3, b7),
-                upper(b0, b4),
-                upper(b1, b5),
-                upper(b2, b6),
-                upper(b3, b7),
-            ]
-        }
+        let [c0, c1, c2, c3, c4, c5, c6, c7] =
+            unsafe { transpose([r0.0, r1.0, r2.0, r3.0, r4.0, r5.0, r6.0, r7.0]) };
+        [Avx2(c0), Avx2(c1), Avx2(c2), Avx2(c3), Avx2(c4), Avx2(c5), Avx2(c6), Avx2(c7)]
     }
     #[inline(always)]
-    fn bits(mask: Mask<Self>) -> u32 {
+    fn bits(mask: Self::Mask) -> u32 {
         // SAFETY: see `Avx2`.
-        unsafe { _mm256_movemask_ps(mask.0.0) as u32 }
+        unsafe { _mm256_movemask_ps(mask.0) as u32 }
     }
 }
 
@@ -303,8 +327,18 @@ fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut P) -> Option<Quick> {
-    quick::quick::<Avx2, P>(tables, ray, hint, probe)
+fn free_avx2(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+    locate::free::<Avx2>(tables, point, hint)
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn quick_avx2<P: Probe, const SCATTERED: bool>(
+    tables: &Views,
+    ray: &Ray,
+    hint: u32,
+    probe: &mut P,
+) -> Option<Quick> {
+    quick::quick::<Avx2, P, SCATTERED>(tables, ray, hint, probe)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -335,15 +369,31 @@ pub(super) fn packet<P: Probe>(
     unsafe { packet_avx2(tables, rays, count, eight, probe) }
 }
 
+/// The prism of air that holds a point, where that is in no doubt.
+///
+/// # Panics
+/// If the CPU lacks AVX2 or FMA (debug builds).
+#[inline]
+pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+    debug_assert!(is_available());
+    // SAFETY: as in `run`.
+    unsafe { free_avx2(tables, point, hint) }
+}
+
 /// What a ray meets that is in no doubt.
 ///
 /// # Panics
 /// If the CPU lacks AVX2 or FMA (debug builds).
 #[inline]
-pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, hint: u32, probe: &mut P) -> Option<Quick> {
+pub(super) fn quick<P: Probe, const SCATTERED: bool>(
+    tables: &Views,
+    ray: &Ray,
+    hint: u32,
+    probe: &mut P,
+) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { quick_avx2(tables, ray, hint, probe) }
+    unsafe { quick_avx2::<P, SCATTERED>(tables, ray, hint, probe) }
 }
 
 /// The nearest hit, or with `ANY` some hit.

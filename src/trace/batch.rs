@@ -5,7 +5,7 @@ use super::locate::Place;
 use super::packet::Eight;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::{Start, Want};
-use crate::format::records::{CellRecord, LANES};
+use crate::format::records::LANES;
 use crate::scene::Scene;
 
 /// Rays that one task takes at a time: of those that come in the order of their starts, and of others.
@@ -153,7 +153,7 @@ impl Scene {
             hits,
             |index, lane, eight, rays, starts| match eight.get(lane) {
                 Some(quick) => self.describe_quick(&rays[index], &quick, want),
-                None => self.trace_from(starts.of(index), &rays[index], want),
+                None => self.trace_as::<true>(self.kernel, starts.of(index), &rays[index], want),
             },
         );
     }
@@ -188,7 +188,7 @@ impl Scene {
         if eight.known >> lane & 1 != 0 {
             eight.brief(lane)
         } else {
-            self.trace_brief_with(kernel, start, ray)
+            self.trace_brief_as::<true>(kernel, start, ray)
         }
     }
 
@@ -209,7 +209,7 @@ impl Scene {
             .get(lane)
         {
             Some(quick) => quick.found.triangle != NONE,
-            None => self.occluded(&rays[index]),
+            None => self.occluded_as::<true>(&rays[index]),
         });
     }
 
@@ -352,8 +352,7 @@ impl Scene {
                 lanes[lane] = ray;
                 let cell = start(first + lane);
                 if cell != known {
-                    let kind = self.tables.cells.get(cell as usize).map(|cell| cell.kind);
-                    known = if kind == Some(CellRecord::AIR) { cell } else { NONE };
+                    known = if self.tables.is_air(cell) { cell } else { NONE };
                 }
                 if known == NONE && last.0 != ray.origin {
                     last = (ray.origin, self.free_cell_near(ray.origin, last.1).unwrap_or(NONE));

@@ -1,13 +1,14 @@
 //! Which instruction set a walk runs on. All give the same answers.
 
-#[cfg(target_arch = "x86_64")]
-use super::avx2;
 use super::cost::Cost;
 use super::lanes::Portable;
+use super::locate::free;
 use super::packet::{Eight, packet};
 use super::quick::{Quick, quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
+#[cfg(target_arch = "x86_64")]
+use super::{avx2, avx512};
 use crate::format::Views;
 use crate::format::records::LANES;
 
@@ -20,6 +21,8 @@ enum Set {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 impl Kernel {
@@ -35,14 +38,23 @@ impl Kernel {
         None
     }
 
+    /// AVX-512 (F, VL and DQ), if the CPU has it.
+    pub fn avx512() -> Option<Kernel> {
+        #[cfg(target_arch = "x86_64")]
+        if avx512::is_available() {
+            return Some(Kernel(Set::Avx512));
+        }
+        None
+    }
+
     /// The fastest that the CPU has.
     pub fn best() -> Kernel {
-        Kernel::avx2().unwrap_or(Kernel::PORTABLE)
+        Kernel::avx512().or_else(Kernel::avx2).unwrap_or(Kernel::PORTABLE)
     }
 
     /// All that the CPU has, the slowest first.
     pub fn available() -> Vec<Kernel> {
-        std::iter::once(Kernel::PORTABLE).chain(Kernel::avx2()).collect()
+        std::iter::once(Kernel::PORTABLE).chain(Kernel::avx2()).chain(Kernel::avx512()).collect()
     }
 
     /// The kernel of this name, if the CPU has it.
@@ -50,22 +62,44 @@ impl Kernel {
         Kernel::available().into_iter().find(|k| k.name() == name)
     }
 
-    /// Its name: `portable`, `avx2`.
+    /// Its name: `portable`, `avx2`, `avx512`.
     pub const fn name(self) -> &'static str {
         match self.0 {
             Set::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
         }
     }
 
-    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything.
+    /// The prism of air that holds a point, where that is in no doubt; perhaps `hint`.
     #[inline]
-    pub(super) fn quick<const ANY: bool>(self, tables: &Views, ray: &Ray, hint: u32) -> Option<Quick> {
+    pub(super) fn free(self, tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
         match self.0 {
-            Set::Portable => quick::<Portable, _>(tables, ray, hint, &mut Plain::<ANY>(self)),
+            Set::Portable => free::<Portable>(tables, point, hint),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick(tables, ray, hint, &mut Plain::<ANY>(self)),
+            Set::Avx2 => avx2::free(tables, point, hint),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::free(tables, point, hint),
+        }
+    }
+
+    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything; `SCATTERED`, if those before it went elsewhere.
+    #[inline]
+    pub(super) fn quick<const ANY: bool, const SCATTERED: bool>(
+        self,
+        tables: &Views,
+        ray: &Ray,
+        hint: u32,
+    ) -> Option<Quick> {
+        let probe = &mut Plain::<ANY>(self);
+        match self.0 {
+            Set::Portable => quick::<Portable, _, SCATTERED>(tables, ray, hint, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::quick::<_, SCATTERED>(tables, ray, hint, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::quick::<_, SCATTERED>(tables, ray, hint, probe),
         }
     }
 
@@ -82,6 +116,8 @@ impl Kernel {
             Set::Portable => packet::<Portable, _>(tables, rays, count, eight, &mut Plain::<ANY>(self)),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::packet(tables, rays, count, eight, &mut Plain::<ANY>(self)),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::packet(tables, rays, count, eight, &mut Plain::<ANY>(self)),
         }
     }
 
@@ -92,6 +128,8 @@ impl Kernel {
             Set::Portable => walk::<Portable, ANY>(tables, query, &mut ()),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::run::<ANY>(tables, query),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::run::<ANY>(tables, query),
         }
     }
 }

@@ -2,12 +2,16 @@
 
 use crate::format::records::LANES;
 
-/// Eight f32. Comparisons with NaN are false. Masks are eight lanes too, and end as bits.
+/// Eight f32. Comparisons with NaN are false.
 pub(crate) trait Lanes: Copy {
     /// As many f64.
     type Wide: Wide;
+    /// Of each lane yes or no; it ends as bits.
+    type Mask: Copy;
     /// Rounded.
     fn narrow(wide: Self::Wide) -> Self;
+    /// Exact.
+    fn widen(self) -> Self::Wide;
     /// All lanes `x`.
     fn splat(x: f32) -> Self;
     /// The lanes of an array.
@@ -32,19 +36,19 @@ pub(crate) trait Lanes: Copy {
     /// `self` with its sign flipped where `sign` is negative (or -0).
     fn flip(self, sign: Self) -> Self;
     /// One bit a lane: whether `self <= other`.
-    fn le(self, other: Self) -> Mask<Self>;
+    fn le(self, other: Self) -> Self::Mask;
     /// Both masks.
-    fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Either mask.
-    fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// The second mask where the first is not.
-    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self>;
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `a` where the mask is, else `b`.
-    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self;
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Lane i is bit i: whether its bits are not those of `other`.
     fn differs(self, other: f32) -> u32;
     /// Lane i is bit i.
-    fn bits(mask: Mask<Self>) -> u32;
+    fn bits(mask: Self::Mask) -> u32;
     /// Lane j of the i-th has what lane i of the j-th had.
     fn transpose(rows: [Self; LANES]) -> [Self; LANES];
 }
@@ -74,10 +78,6 @@ pub(crate) trait Wide: Copy {
     /// The i-th has of each row what is at i.
     fn columns(rows: [&[f64; 4]; LANES]) -> [Self; 4];
 }
-
-/// Lanes of all ones or all zeros.
-#[derive(Clone, Copy)]
-pub(crate) struct Mask<L>(pub(crate) L);
 
 /// Any machine.
 #[derive(Clone, Copy)]
@@ -186,6 +186,8 @@ impl Wide for PortableWide {
 
 impl Lanes for Portable {
     type Wide = PortableWide;
+    /// Lanes of all ones or all zeros.
+    type Mask = Portable;
 
     #[inline(always)]
     fn narrow(wide: PortableWide) -> Self {
@@ -194,6 +196,14 @@ impl Lanes for Portable {
             *to = x as f32;
         }
         Portable(out)
+    }
+    #[inline(always)]
+    fn widen(self) -> PortableWide {
+        let mut out = [0.0; LANES];
+        for (to, x) in out.iter_mut().zip(self.0) {
+            *to = f64::from(x);
+        }
+        PortableWide(out)
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -255,26 +265,26 @@ impl Lanes for Portable {
         self.zip(sign, |a, s| f32::from_bits(a.to_bits() ^ (s.to_bits() & 0x8000_0000)))
     }
     #[inline(always)]
-    fn le(self, other: Self) -> Mask<Self> {
-        Mask(self.zip(other, |a, b| f32::from_bits(if a <= b { u32::MAX } else { 0 })))
+    fn le(self, other: Self) -> Self::Mask {
+        self.zip(other, |a, b| f32::from_bits(if a <= b { u32::MAX } else { 0 }))
     }
     #[inline(always)]
-    fn and(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
-        Mask(a.0.zip(b.0, |a, b| f32::from_bits(a.to_bits() & b.to_bits())))
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        a.zip(b, |a, b| f32::from_bits(a.to_bits() & b.to_bits()))
     }
     #[inline(always)]
-    fn or(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
-        Mask(a.0.zip(b.0, |a, b| f32::from_bits(a.to_bits() | b.to_bits())))
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        a.zip(b, |a, b| f32::from_bits(a.to_bits() | b.to_bits()))
     }
     #[inline(always)]
-    fn and_not(a: Mask<Self>, b: Mask<Self>) -> Mask<Self> {
-        Mask(a.0.zip(b.0, |a, b| f32::from_bits(!a.to_bits() & b.to_bits())))
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        a.zip(b, |a, b| f32::from_bits(!a.to_bits() & b.to_bits()))
     }
     #[inline(always)]
-    fn select(mask: Mask<Self>, a: Self, b: Self) -> Self {
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
         let mut out = b;
         for lane in 0..LANES {
-            if mask.0.0[lane].to_bits() != 0 {
+            if mask.0[lane].to_bits() != 0 {
                 out.0[lane] = a.0[lane];
             }
         }
@@ -299,10 +309,10 @@ impl Lanes for Portable {
         out
     }
     #[inline(always)]
-    fn bits(mask: Mask<Self>) -> u32 {
+    fn bits(mask: Self::Mask) -> u32 {
         let mut bits = 0;
         for lane in 0..LANES {
-            bits |= (mask.0.0[lane].to_bits() >> 31) << lane;
+            bits |= (mask.0[lane].to_bits() >> 31) << lane;
         }
         bits
     }

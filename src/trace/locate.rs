@@ -9,8 +9,10 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
+use super::lanes::Lanes;
 use super::path::{BLURRED, Prisms, to_lattice};
-use crate::format::records::{CellRecord, LANES, VolumeRecord};
+use super::step::Step;
+use crate::format::records::{CellRecord, LANES, SceneRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -81,8 +83,8 @@ impl Scene {
 
     /// The prism of air that holds a point, where that is in no doubt.
     #[inline]
-    pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
-        free(&self.tables, point)
+    pub(crate) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
+        self.free_cell_near(point, NONE)
     }
 
     /// The cube of the grid over the prisms that holds a point, if it is in their zone.
@@ -94,10 +96,7 @@ impl Scene {
     /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
     #[inline]
     pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
-        let is_there = (hint as usize) < self.tables.steps.len()
-            && point.iter().all(|c| c.is_finite())
-            && holds_free(&self.tables, hint, local(&self.tables, point));
-        if is_there { Some(hint) } else { free(&self.tables, point) }
+        self.kernel.free(&self.tables, point, hint)
     }
 
     /// The smallest room that holds `point`.
@@ -145,19 +144,39 @@ fn cube(tables: &Views, [x, y, z]: [f64; 3]) -> Option<usize> {
 }
 
 /// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the
-/// point too.
-#[inline]
-fn free(tables: &Views, point: [f64; 3]) -> Option<u32> {
-    let [x, y, z] = local(tables, point);
-    let index = cube(tables, [x, y, z])?;
-    let (start, end) = (*tables.cellgrid.get(index)?, *tables.cellgrid.get(index + 1)?);
-    let listed = &tables.gridcells[start as usize..end as usize];
-    listed.iter().copied().find(|&cell| holds_free(tables, cell, [x, y, z]))
+/// point too. It is perhaps `hint`; any number is a hint.
+#[inline(always)]
+pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+    let at = local(tables, point);
+    let rounding = rounding(&tables.scene[0]);
+    let is_hinted = (hint as usize) < tables.steps.len() && point.iter().all(|c| c.is_finite());
+    if is_hinted && holds_free::<L>(tables, hint, at, rounding) {
+        return Some(hint);
+    }
+    let cube = tables.freegrid[0].cube(at)?;
+    let (start, end) = (*tables.freestarts.get(cube)?, *tables.freestarts.get(cube + 1)?);
+    for &cell in &tables.freecells[start as usize..end as usize] {
+        if holds_free::<L>(tables, cell, at, rounding) {
+            return Some(cell);
+        }
+    }
+    None
+}
+
+/// More than rounding to f32 moves a point of the zone against a line, metres: sixteen roundings.
+#[inline(always)]
+pub(super) fn rounding(scene: &SceneRecord) -> f32 {
+    let [lo, hi] = scene.zone;
+    let mut reach = 0.0f64;
+    for axis in 0..3 {
+        reach = reach.max(lo[axis].abs()).max(hi[axis].abs());
+    }
+    (reach * (-20f64).exp2()) as f32
 }
 
 /// Whether a prism of air holds a point (from the lattice's origin) as `free` has it.
-#[inline]
-fn holds_free(tables: &Views, cell: u32, [x, y, z]: [f64; 3]) -> bool {
+#[inline(always)]
+fn holds_free<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32) -> bool {
     let step = &tables.steps[cell as usize];
     let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
     if step.flags != CellRecord::FREE || !step.is_some() {
@@ -166,10 +185,29 @@ fn holds_free(tables: &Views, cell: u32, [x, y, z]: [f64; 3]) -> bool {
             && record.flags == CellRecord::FREE
             && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
     }
-    if z < floor + BLURRED || z > ceiling - BLURRED {
+    // Not `||`: this and what follows are decided on at once. NaN is not above or below.
+    let is_off = (z < floor + BLURRED) | (z > ceiling - BLURRED);
+    let is_sloped = floor.is_nan() || ceiling.is_nan();
+    let (corner_x, corner_y) = (L::load(&step.x), L::load(&step.y));
+    let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
+    let (px, py) = (L::splat(x as f32).sub(corner_x), L::splat(y as f32).sub(corner_y));
+    let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
+    let beyond = |margin: f32| L::bits(size.mul(L::splat(margin)).le(inward));
+    if is_off | (beyond(BLURRED as f32 - rounding) != 0xff) {
         return false;
     }
-    let is_sloped = floor.is_nan() || ceiling.is_nan();
+    // Only where f32 cannot tell.
+    let is_in_doubt = beyond(BLURRED as f32 + rounding) != 0xff;
+    if is_in_doubt && !is_well_within(step, [x, y]) {
+        return false;
+    }
+    !is_sloped
+        || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], DVec3::new(x, y, z), -BLURRED)
+}
+
+/// Whether a point is in the footprint of a step, farther from its border than cells differ from the model.
+#[cold]
+fn is_well_within(step: &Step, [x, y]: [f64; 2]) -> bool {
     let mut a = [f64::from(step.x[LANES - 1]), f64::from(step.y[LANES - 1])];
     for lane in 0..LANES {
         let b = [f64::from(step.x[lane]), f64::from(step.y[lane])];
@@ -179,8 +217,7 @@ fn holds_free(tables: &Views, cell: u32, [x, y, z]: [f64; 3]) -> bool {
         }
         a = b;
     }
-    let at = DVec3::new(x, y, z);
-    !is_sloped || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], at, -BLURRED)
+    true
 }
 
 fn smallest(scene: &Scene, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {

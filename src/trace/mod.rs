@@ -2,11 +2,14 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod batch;
 mod begin;
 mod cells;
 mod columns;
 mod cost;
+mod finder;
 mod herd;
 mod kernel;
 mod lanes;
@@ -25,6 +28,7 @@ mod walk;
 pub use batch::Starts;
 pub(crate) use columns::Columns;
 pub use cost::Cost;
+pub(crate) use finder::{Finder, FreeGrid};
 pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::kernel::Probe;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Wide};
 use super::path::{BLURRED, NEAR};
 use super::ray::Ray;
 use super::step::Step;
@@ -48,18 +48,18 @@ pub(super) struct Quick {
 /// What the ray meets first, or something where the `probe` looks for any; `hint` is the cell in which it starts. `None` where there
 /// is doubt.
 #[inline(always)]
-pub(super) fn quick<L: Lanes, P: Probe>(
+pub(super) fn quick<L: Lanes, P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
     probe: &mut P,
 ) -> Option<Quick> {
-    Way::new(tables, ray)?.run::<L>(hint, probe)
+    Way::<SCATTERED>::new(tables, ray)?.run::<L>(hint, probe)
 }
 
-/// A ray under way.
+/// A ray under way; `SCATTERED`, if the ray before it went elsewhere.
 #[derive(Clone, Copy)]
-pub(super) struct Way<'a> {
+pub(super) struct Way<'a, const SCATTERED: bool> {
     tables: &'a Views,
     /// As the caller has it.
     origin: DVec3,
@@ -92,7 +92,7 @@ struct Edge {
     b: [f32; 2],
 }
 
-impl<'a> Way<'a> {
+impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
     #[inline(always)]
     pub(super) fn new(tables: &'a Views, ray: &Ray) -> Option<Self> {
         let scene = &tables.scene[0];
@@ -247,6 +247,37 @@ impl<'a> Way<'a> {
         self.along.x * f64::from(y) - self.along.y * f64::from(x) + self.moment
     }
 
+    /// The edge of a footprint through which the line leaves, and the sides of its ends: a loop that ends there, which a processor
+    /// foresees that saw a ray through that edge.
+    #[inline(always)]
+    fn edge_by_edge(&self, step: &Step) -> Option<(usize, [f64; 2])> {
+        let mut right = self.side([step.x[0], step.y[0]]);
+        for index in 0..LANES {
+            let next = (index + 1) % LANES;
+            let left = self.side([step.x[next], step.y[next]]);
+            if right < 0.0 && left >= 0.0 {
+                return Some((index, [right, left]));
+            }
+            right = left;
+        }
+        None
+    }
+
+    /// The same without a choice that could be foreseen wrongly.
+    #[inline(always)]
+    fn edge_of_all<L: Lanes>(&self, x: L, y: L) -> Option<(usize, [f64; 2])> {
+        let [along_x, along_y] = [L::Wide::splat(self.along.x), L::Wide::splat(self.along.y)];
+        let sides = along_x.mul(y.widen()).sub(along_y.mul(x.widen())).add(L::Wide::splat(self.moment));
+        let is_left = L::Wide::splat(0.0).le(sides);
+        let leaves = !is_left & (is_left >> 1 | is_left << (LANES - 1)) & 0xff;
+        if leaves == 0 {
+            return None;
+        }
+        let index = leaves.trailing_zeros() as usize % LANES;
+        let sides = sides.store();
+        Some((index, [sides[index], sides[(index + 1) % LANES]]))
+    }
+
     /// How far along the ray its line in the plan crosses that of the edge, times how the sides of its ends differ.
     #[inline(always)]
     fn crossing(&self, a: [f32; 2], [ex, ey]: [f64; 2]) -> f64 {
@@ -277,21 +308,10 @@ impl<'a> Way<'a> {
             return self.leave_any::<FIRST>(cell);
         }
         let (x, y) = (L::load(&step.x), L::load(&step.y));
-        let mut index = 0;
-        let (mut a, mut right) = ([step.x[0], step.y[0]], self.side([step.x[0], step.y[0]]));
-        let (b, left) = loop {
-            let next = (index + 1) % LANES;
-            let b = [step.x[next], step.y[next]];
-            let side = self.side(b);
-            if right < 0.0 && side >= 0.0 {
-                break (b, side);
-            }
-            index += 1;
-            if index == LANES {
-                return None;
-            }
-            (a, right) = (b, side);
-        };
+        let (index, [right, left]) =
+            if SCATTERED { self.edge_of_all(x, y)? } else { self.edge_by_edge(step)? };
+        let next = (index + 1) % LANES;
+        let (a, b) = ([step.x[index], step.y[index]], [step.x[next], step.y[next]]);
         let [ex, ey] = edge(a, b);
         let per = 1.0 / (left - right);
         let t = self.crossing(a, [ex, ey]) * per;
@@ -611,12 +631,14 @@ mod tests {
         for (cell, ray) in &rays {
             let found: Vec<Option<Quick>> = Kernel::available()
                 .into_iter()
-                .map(|k| k.quick::<false>(&scene.tables, ray, *cell))
+                .map(|k| k.quick::<false, false>(&scene.tables, ray, *cell))
                 .collect();
             let parts =
                 |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
             assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-            let any = scene.kernel.quick::<true>(&scene.tables, ray, *cell);
+            let scattered = scene.kernel.quick::<false, true>(&scene.tables, ray, *cell);
+            assert_eq!(parts(&scattered), parts(&found[0]), "{name}: {ray:?}");
+            let any = scene.kernel.quick::<true, true>(&scene.tables, ray, *cell);
             let Some(Quick { found, .. }) = found[0] else { continue };
             quick += 1;
             let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
@@ -668,7 +690,8 @@ mod tests {
     fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
         let scene = scene(&house(&HouseOptions::default()), &Style::exact());
         let (cell, ray) = rays(&scene, 1, 3)[0];
-        let quick = |cell: u32, ray: Ray| scene.kernel.quick::<false>(&scene.tables, &ray, cell).is_some();
+        let quick =
+            |cell: u32, ray: Ray| scene.kernel.quick::<false, false>(&scene.tables, &ray, cell).is_some();
         for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));
             assert!(!quick(cell, Ray { direction: [0.0, component, 0.0], ..ray }));

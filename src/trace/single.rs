@@ -91,9 +91,21 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+        self.trace_as::<false>(kernel, start, ray, want)
+    }
+
+    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    #[inline]
+    pub(super) fn trace_as<const SCATTERED: bool>(
+        &self,
+        kernel: Kernel,
+        start: Start<'_>,
+        ray: &Ray,
+        want: Want,
+    ) -> Hit {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) = kernel.quick::<false>(&self.tables, ray, cell)
+            && let Some(quick) = kernel.quick::<false, SCATTERED>(&self.tables, ray, cell)
         {
             return self.describe_quick(ray, &quick, want);
         }
@@ -119,9 +131,21 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
+        self.trace_brief_as::<false>(kernel, start, ray)
+    }
+
+    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    #[inline]
+    pub(super) fn trace_brief_as<const SCATTERED: bool>(
+        &self,
+        kernel: Kernel,
+        start: Start<'_>,
+        ray: &Ray,
+    ) -> Brief {
         let place = self.quick_start(start, ray);
         if let Some(place) = place
-            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(&self.tables, ray, place)
+            && let Some(Quick { found, cell, .. }) =
+                kernel.quick::<false, SCATTERED>(&self.tables, ray, place)
         {
             if found.triangle == NONE {
                 return Brief::ESCAPED;
@@ -137,10 +161,8 @@ impl Scene {
     fn quick_start(&self, start: Start<'_>, ray: &Ray) -> Option<u32> {
         match start {
             Start::Anywhere => self.free_cell(ray.origin),
-            Start::Cell(cell) => match self.tables.cells.get(cell as usize) {
-                Some(CellRecord { kind: CellRecord::AIR, .. }) => Some(cell),
-                _ => self.free_cell(ray.origin),
-            },
+            Start::Cell(cell) if self.tables.is_air(cell) => Some(cell),
+            Start::Cell(_) => self.free_cell(ray.origin),
             // From a surface.
             Start::Hit(_) => None,
         }
@@ -190,7 +212,7 @@ impl Scene {
         let mut cost = Cost::default();
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(found) = quick::<Portable, _>(&self.tables, ray, cell, &mut cost)
+            && let Some(found) = quick::<Portable, _, false>(&self.tables, ray, cell, &mut cost)
         {
             return (self.describe_quick(ray, &found, want), cost);
         }
@@ -250,9 +272,15 @@ impl Scene {
     /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it for the air
     /// within the tolerance.
     pub fn occluded(&self, ray: &Ray) -> bool {
+        self.occluded_as::<false>(ray)
+    }
+
+    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    #[inline]
+    pub(super) fn occluded_as<const SCATTERED: bool>(&self, ray: &Ray) -> bool {
         let cell = self.free_cell(ray.origin);
         if let Some(cell) = cell
-            && let Some(quick) = self.kernel.quick::<true>(&self.tables, ray, cell)
+            && let Some(quick) = self.kernel.quick::<true, SCATTERED>(&self.tables, ray, cell)
         {
             return quick.found.triangle != NONE;
         }

@@ -12,7 +12,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
-use super::lanes::{Lanes, Mask};
+use super::lanes::Lanes;
 use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord, RunRecord, SceneRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
 
@@ -478,9 +478,9 @@ fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f
 }
 
 /// What [`candidates`] found.
-struct Candidates<L> {
+struct Candidates<L: Lanes> {
     /// Lanes whose triangle the ray may meet.
-    met: Mask<L>,
+    met: L::Mask,
     /// No more than the distance to each.
     t: L,
 }

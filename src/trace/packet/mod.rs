@@ -17,6 +17,7 @@ use super::NONE;
 use super::herd::Nearest;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
+use super::locate::rounding;
 use super::path::NEAR;
 use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
 use super::ray::Ray;
@@ -144,8 +145,6 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         let along = [L::narrow(along_x), L::narrow(along_y), L::narrow(dz)];
         let flat = along[0].abs().add(along[1].abs());
         under_way &= L::bits(L::splat(1.01 * STEEPEST as f32).le(flat));
-        let [lo, hi] = scene.zone;
-        let reach = lo.iter().chain(&hi).fold(0.0, |reach: f64, c| reach.max(c.abs()));
         Packet {
             tables,
             rays,
@@ -159,14 +158,13 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             along,
             flat,
             steep: L::splat(1.0).div(along[2]),
-            // Sixteen roundings.
-            rounding: (reach * (-20f64).exp2()) as f32,
+            rounding: rounding(scene),
         }
     }
 
     /// A ray by itself.
     #[inline(always)]
-    fn way(&self, lane: usize) -> Option<Way<'a>> {
+    fn way(&self, lane: usize) -> Option<Way<'a, false>> {
         Way::new(self.tables, self.rays[lane])
     }
 
