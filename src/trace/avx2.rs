@@ -20,7 +20,7 @@ use super::locate;
 use super::packet::{self, Eight};
 use super::quick::{self, Quick};
 use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
+use super::walk::{Found, Query, Surface, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
@@ -336,9 +336,10 @@ fn quick_avx2<P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Option<Quick> {
-    quick::quick::<Avx2, P, SCATTERED>(tables, ray, hint, probe)
+    quick::quick::<Avx2, P, SCATTERED>(tables, ray, hint, surface, probe)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -389,11 +390,12 @@ pub(super) fn quick<P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { quick_avx2::<P, SCATTERED>(tables, ray, hint, probe) }
+    unsafe { quick_avx2::<P, SCATTERED>(tables, ray, hint, surface, probe) }
 }
 
 /// The nearest hit, or with `ANY` some hit.

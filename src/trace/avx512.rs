@@ -20,7 +20,7 @@ use super::locate;
 use super::packet::{self, Eight};
 use super::quick::{self, Quick};
 use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
+use super::walk::{Found, Query, Surface, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
@@ -286,9 +286,10 @@ fn quick_avx512<P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Option<Quick> {
-    quick::quick::<Avx512, P, SCATTERED>(tables, ray, hint, probe)
+    quick::quick::<Avx512, P, SCATTERED>(tables, ray, hint, surface, probe)
 }
 
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
@@ -339,11 +340,12 @@ pub(super) fn quick<P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { quick_avx512::<P, SCATTERED>(tables, ray, hint, probe) }
+    unsafe { quick_avx512::<P, SCATTERED>(tables, ray, hint, surface, probe) }
 }
 
 /// The nearest hit, or with `ANY` some hit.

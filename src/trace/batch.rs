@@ -33,11 +33,15 @@ pub enum Starts<'a> {
     Cell(u32),
     /// In the air: the i-th ray of the i-th cell, as [`Start::Cell`].
     Cells(&'a [u32]),
+    /// On a surface: the i-th ray of the i-th hit, as [`Start::Hit`]. Where an origin lies on a surface, to look for it costs as much as
+    /// twenty rays.
+    Hits(&'a [Hit]),
 }
 
 impl<'a> Starts<'a> {
-    fn of(self, index: usize) -> Start<'static> {
+    fn of(self, index: usize) -> Start<'a> {
         match self {
+            Starts::Hits(hits) => Start::Hit(&hits[index]),
             Starts::Anywhere => Start::Anywhere,
             Starts::Cell(cell) => Start::Cell(cell),
             Starts::Cells(cells) => Start::Cell(cells[index]),
@@ -48,7 +52,7 @@ impl<'a> Starts<'a> {
     #[inline(always)]
     fn cell(self, index: usize) -> u32 {
         match self {
-            Starts::Anywhere => NONE,
+            Starts::Anywhere | Starts::Hits(_) => NONE,
             Starts::Cell(cell) => cell,
             Starts::Cells(cells) => cells[index],
         }
@@ -58,6 +62,7 @@ impl<'a> Starts<'a> {
     fn part(self, first: usize, count: usize) -> Starts<'a> {
         match self {
             Starts::Cells(cells) => Starts::Cells(&cells[first..first + count]),
+            Starts::Hits(hits) => Starts::Hits(&hits[first..first + count]),
             other => other,
         }
     }
@@ -145,7 +150,11 @@ impl Scene {
         self.trace_many_of(Starts::Cell(cell), rays, hits, want);
     }
 
-    pub(crate) fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
+    /// What each ray meets first, as [`Scene::trace_many`], from starts that the caller knows.
+    ///
+    /// # Panics
+    /// If the slices, that of `starts` too, differ in length.
+    pub fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
         self.many::<false, _>(
             self.kernel,
             starts,
@@ -204,12 +213,19 @@ impl Scene {
     /// # Panics
     /// If the slices differ in length.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        let starts = Starts::Anywhere;
-        self.many::<true, _>(self.kernel, starts, rays, occluded, |index, lane, eight, rays, _| match eight
-            .get(lane)
-        {
-            Some(quick) => quick.found.triangle != NONE,
-            None => self.occluded_as::<true>(&rays[index]),
+        self.occluded_many_of(Starts::Anywhere, rays, occluded);
+    }
+
+    /// Whether anything stands in the way of each ray, see [`Scene::occluded_from`], from starts that the caller knows.
+    ///
+    /// # Panics
+    /// If the slices, that of `starts` too, differ in length.
+    pub fn occluded_many_of(&self, starts: Starts<'_>, rays: &[Ray], occluded: &mut [bool]) {
+        self.many::<true, _>(self.kernel, starts, rays, occluded, |index, lane, eight, rays, starts| {
+            match eight.get(lane) {
+                Some(quick) => quick.found.triangle != NONE,
+                None => self.occluded_as::<true>(starts.of(index), &rays[index]),
+            }
         });
     }
 
@@ -250,10 +266,14 @@ impl Scene {
         answer: impl Fn(usize, usize, &Eight, &[Ray], Starts<'_>) -> A + Sync,
     ) {
         assert_eq!(rays.len(), answers.len(), "as many answers as rays");
-        if let Starts::Cells(cells) = starts {
-            assert_eq!(rays.len(), cells.len(), "as many cells as rays");
+        match starts {
+            Starts::Cells(cells) => assert_eq!(rays.len(), cells.len(), "as many cells as rays"),
+            Starts::Hits(hits) => assert_eq!(rays.len(), hits.len(), "as many hits as rays"),
+            Starts::Anywhere | Starts::Cell(_) => {}
         }
-        let plan = if !is_scattered(starts, rays) {
+        let plan = if matches!(starts, Starts::Hits(_)) {
+            Plan::One
+        } else if !is_scattered(starts, rays) {
             Plan::Eight
         } else if self.tables.cells.len() < MANY_CELLS {
             Plan::One
@@ -319,7 +339,7 @@ impl Scene {
     fn order(&self, starts: Starts<'_>, rays: &[Ray]) -> Vec<u32> {
         let count = match starts {
             Starts::Cells(_) => self.tables.cells.len(),
-            _ => self.tables.cellgrid.len(),
+            _ => self.tables.freestarts.len(),
         };
         let mut shift = 0;
         while count >> shift > PLACES {
@@ -373,7 +393,7 @@ fn is_scattered(starts: Starts<'_>, rays: &[Ray]) -> bool {
         return false;
     }
     let differs = |index: usize| match starts {
-        Starts::Anywhere => rays[index].origin != rays[index + 1].origin,
+        Starts::Anywhere | Starts::Hits(_) => rays[index].origin != rays[index + 1].origin,
         Starts::Cell(_) => false,
         Starts::Cells(cells) => cells[index] != cells[index + 1],
     };
@@ -516,6 +536,30 @@ mod scene_tests {
                 assert_eq!(bytemuck::bytes_of(&hits[i]), bytemuck::bytes_of(&hit), "{name}: {ray:?}");
                 assert_eq!(occluded[i], scene.occluded(ray), "{name}: {ray:?}");
             }
+        }
+        // On from what they met.
+        let met: Vec<Hit> = rays
+            .iter()
+            .zip(&cells)
+            .map(|(ray, &cell)| scene.trace_from(Start::Cell(cell), ray, Want::LEAST))
+            .filter(|hit| hit.triangle != NONE)
+            .collect();
+        let on: Vec<Ray> = (0..)
+            .zip(&met)
+            .map(|(i, hit)| {
+                let aside = DVec3::new(f64::from(i % 7), f64::from(i % 11), f64::from(i % 13)) / 13.0 - 0.4;
+                Ray::new(hit.point, (DVec3::from(hit.normal) + aside).to_array())
+            })
+            .collect();
+        let mut hits = vec![Hit::ESCAPED; on.len()];
+        scene.trace_many_of(Starts::Hits(&met), &on, &mut hits, Want::LEAST);
+        let mut occluded = vec![false; on.len()];
+        scene.occluded_many_of(Starts::Hits(&met), &on, &mut occluded);
+        for (i, ray) in on.iter().enumerate() {
+            let start = Start::Hit(&met[i]);
+            let single = scene.trace_from(start, ray, Want::LEAST);
+            assert_eq!(bytemuck::bytes_of(&hits[i]), bytemuck::bytes_of(&single), "{name}: {ray:?}");
+            assert_eq!(occluded[i], scene.occluded_from(start, ray), "{name}: {ray:?}");
         }
         // Some of one cell, and fewer than eight.
         for count in [1, 3, 7, 20] {

@@ -10,8 +10,8 @@ use crate::format::records::{CellRecord, SceneRecord};
 use super::step::Step;
 
 /// Cubes a prism, on the average; in all.
-const CUBES_PER_CELL: f64 = 32.0;
-const MOST_CUBES: f64 = (1 << 19) as f64;
+const CUBES_PER_CELL: f64 = 64.0;
+const MOST_CUBES: f64 = (1 << 16) as f64;
 
 /// Cubes along an axis.
 const MOST_ALONG: f64 = 1024.0;

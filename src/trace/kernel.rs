@@ -6,7 +6,7 @@ use super::locate::free;
 use super::packet::{Eight, packet};
 use super::quick::{Quick, quick};
 use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
+use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
 use crate::format::Views;
@@ -49,7 +49,7 @@ impl Kernel {
 
     /// The fastest that the CPU has.
     pub fn best() -> Kernel {
-        Kernel::avx512().or_else(Kernel::avx2).unwrap_or(Kernel::PORTABLE)
+        Kernel::avx2().unwrap_or(Kernel::PORTABLE)
     }
 
     /// All that the CPU has, the slowest first.
@@ -85,21 +85,22 @@ impl Kernel {
         }
     }
 
-    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything; `SCATTERED`, if those before it went elsewhere.
+    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything, from a cell, or from a `surface` of it; `SCATTERED`, if those before it went elsewhere.
     #[inline]
     pub(super) fn quick<const ANY: bool, const SCATTERED: bool>(
         self,
         tables: &Views,
         ray: &Ray,
         hint: u32,
+        surface: Option<&Surface>,
     ) -> Option<Quick> {
         let probe = &mut Plain::<ANY>(self);
         match self.0 {
-            Set::Portable => quick::<Portable, _, SCATTERED>(tables, ray, hint, probe),
+            Set::Portable => quick::<Portable, _, SCATTERED>(tables, ray, hint, surface, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick::<_, SCATTERED>(tables, ray, hint, probe),
+            Set::Avx2 => avx2::quick::<_, SCATTERED>(tables, ray, hint, surface, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::quick::<_, SCATTERED>(tables, ray, hint, probe),
+            Set::Avx512 => avx512::quick::<_, SCATTERED>(tables, ray, hint, surface, probe),
         }
     }
 

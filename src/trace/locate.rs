@@ -87,10 +87,10 @@ impl Scene {
         self.free_cell_near(point, NONE)
     }
 
-    /// The cube of the grid over the prisms that holds a point, if it is in their zone.
+    /// The cube of the grid over free cells that holds a point, if it is in their zone.
     #[inline]
     pub(super) fn cube(&self, point: [f64; 3]) -> Option<usize> {
-        cube(&self.tables, local(&self.tables, point))
+        self.tables.freegrid[0].cube(local(&self.tables, point))
     }
 
     /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
@@ -123,24 +123,6 @@ impl Scene {
 fn local(tables: &Views, point: [f64; 3]) -> [f64; 3] {
     let scene = &tables.scene[0];
     to_lattice(point, scene.lattice_origin, scene.lattice_turn)
-}
-
-/// The cube of the grid over the prisms that holds a point (from the lattice's origin).
-#[inline(always)]
-fn cube(tables: &Views, [x, y, z]: [f64; 3]) -> Option<usize> {
-    let scene = &tables.scene[0];
-    let mut index = 0usize;
-    for (axis, c) in [(2, z), (1, y), (0, x)] {
-        let [lo, hi] = [scene.zone[0][axis], scene.zone[1][axis]];
-        // Written so that NaN is nowhere.
-        if !(c >= lo && c <= hi) {
-            return None;
-        }
-        let cubes = scene.grid_dims[axis] as usize;
-        // A point on the zone's upper side belongs to the last cube.
-        index = index * cubes + (((c - lo) / scene.grid_step[axis]) as usize).min(cubes.saturating_sub(1));
-    }
-    Some(index)
 }
 
 /// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the

@@ -15,10 +15,10 @@ use glam::DVec3;
 use super::NONE;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
-use super::path::{BLURRED, NEAR};
+use super::path::{BLURRED, NEAR, Prisms};
 use super::ray::Ray;
 use super::step::Step;
-use super::walk::{Found, Query, Walk, inverse};
+use super::walk::{Found, Query, Surface, Walk, inverse};
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, LANES, Leaf, PLAIN, SideRecord};
 
@@ -34,6 +34,10 @@ pub(super) const COARSEST: u32 = 15;
 /// Where a ray runs at a plane more along it than this, its sine, rounding moves what it meets too far.
 pub(super) const GRAZING: f64 = 1.0 / 64.0;
 
+/// A ray from a surface is left to `cells` if it meets anything nearer than this, metres: more than cells are blurred, so that what it
+/// starts on, and what meets that there, is not asked about.
+const FROM_SURFACE: f64 = 4.0 * BLURRED;
+
 /// What a ray met.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quick {
@@ -45,16 +49,21 @@ pub(super) struct Quick {
     pub(super) source: u32,
 }
 
-/// What the ray meets first, or something where the `probe` looks for any; `hint` is the cell in which it starts. `None` where there
-/// is doubt.
+/// What the ray meets first, or something where the `probe` looks for any; `hint` is the cell in which it starts, or on whose `surface`.
+/// `None` where there is doubt.
 #[inline(always)]
 pub(super) fn quick<L: Lanes, P: Probe, const SCATTERED: bool>(
     tables: &Views,
     ray: &Ray,
     hint: u32,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Option<Quick> {
-    Way::<SCATTERED>::new(tables, ray)?.run::<L>(hint, probe)
+    let way = Way::<SCATTERED>::new(tables, ray)?;
+    match surface {
+        None => way.run::<L>(hint, probe),
+        Some(_) => Way { surface, ..way }.run_from_surface::<L>(hint, probe),
+    }
 }
 
 /// A ray under way; `SCATTERED`, if the ray before it went elsewhere.
@@ -65,6 +74,8 @@ pub(super) struct Way<'a, const SCATTERED: bool> {
     origin: DVec3,
     direction: DVec3,
     pub(super) limit: f64,
+    /// What it starts on, if on anything.
+    surface: Option<&'a Surface>,
     /// Along the lattice's axes, from its origin.
     from: DVec3,
     along: DVec3,
@@ -126,13 +137,32 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
     fn of(tables: &'a Views, [origin, direction]: [DVec3; 2], [from, along]: [DVec3; 2], limit: f64) -> Self {
         let moment = along.y * from.x - along.x * from.y;
         let blurred = BLURRED * (along.x.abs() + along.y.abs());
-        Way { tables, origin, direction, limit, from, along, steep: 1.0 / along.z, moment, blurred }
+        let steep = 1.0 / along.z;
+        Way { tables, origin, direction, limit, surface: None, from, along, steep, moment, blurred }
     }
 
     #[inline(always)]
     fn run<L: Lanes>(&self, hint: u32, probe: &mut impl Probe) -> Option<Quick> {
         let exit = self.leave::<L, true>(hint)?;
         self.onward::<L>(hint, exit, probe)
+    }
+
+    /// The same of a ray that starts on the surface of a cell, or of what stands in it.
+    #[inline(always)]
+    fn run_from_surface<L: Lanes>(&self, hint: u32, probe: &mut impl Probe) -> Option<Quick> {
+        let surface = self.surface?;
+        let record = self.tables.cells.get(hint as usize)?;
+        // Away from it, and not along it.
+        let is_away = self.direction.dot(surface.normal) >= GRAZING;
+        if !(is_away && Prisms::new(self.tables).nearly_holds(record, self.from, BLURRED)) {
+            return None;
+        }
+        let exit = self.leave::<L, false>(hint)?;
+        if !(exit.t >= FROM_SURFACE) {
+            return None;
+        }
+        let quick = self.onward::<L>(hint, exit, probe)?;
+        (quick.found.triangle == NONE || quick.found.t >= FROM_SURFACE).then_some(quick)
     }
 
     /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.
@@ -231,7 +261,10 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
     #[inline(never)]
     pub(super) fn detail(&self, root: u32, [from, until]: [f64; 2], probe: &mut impl Probe) -> Found {
         let scene = &self.tables.scene[0];
-        let query = Query::new(self.origin, self.direction, (from.max(0.0), until), 0.0, scene, root, None);
+        let surface = self.surface.copied();
+        // Also what is behind it by no more than rounding: that is asked about.
+        let first = from.max(0.0) - surface.map_or(0.0, |surface| surface.behind());
+        let query = Query::new(self.origin, self.direction, (first, until), 0.0, scene, root, surface);
         probe.first(&Walk::new(self.tables), &query)
     }
 
@@ -596,6 +629,7 @@ mod tests {
         Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
     };
     use crate::splitmix::SplitMix64;
+    use crate::trace::single::surface_of;
     use crate::trace::{Kernel, Place, Start, Want};
     use crate::{CompileOptions, Scene, compile};
 
@@ -631,14 +665,14 @@ mod tests {
         for (cell, ray) in &rays {
             let found: Vec<Option<Quick>> = Kernel::available()
                 .into_iter()
-                .map(|k| k.quick::<false, false>(&scene.tables, ray, *cell))
+                .map(|k| k.quick::<false, false>(&scene.tables, ray, *cell, None))
                 .collect();
             let parts =
                 |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
             assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-            let scattered = scene.kernel.quick::<false, true>(&scene.tables, ray, *cell);
+            let scattered = scene.kernel.quick::<false, true>(&scene.tables, ray, *cell, None);
             assert_eq!(parts(&scattered), parts(&found[0]), "{name}: {ray:?}");
-            let any = scene.kernel.quick::<true, true>(&scene.tables, ray, *cell);
+            let any = scene.kernel.quick::<true, true>(&scene.tables, ray, *cell, None);
             let Some(Quick { found, .. }) = found[0] else { continue };
             quick += 1;
             let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
@@ -686,12 +720,79 @@ mod tests {
         }
     }
 
+    /// The same of rays from what others met, to the side that they came from, and flat along it.
+    fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
+        let mut random = SplitMix64::new(11);
+        let (mut quick, mut all) = (0, 0);
+        for (cell, ray) in rays(scene, 20_000, 6) {
+            let from = scene.trace_from(Start::Cell(cell), &ray, Want::LEAST);
+            let normal = DVec3::from(from.normal);
+            if from.triangle == NONE {
+                continue;
+            }
+            let mut way = DVec3::from([0, 1, 2].map(|_| random.between(-1.0, 1.0)));
+            way *= way.dot(normal).signum();
+            match random.below(8) {
+                0 => way -= normal * way.dot(normal) * 0.999,
+                1 => way = -way,
+                _ => {}
+            }
+            let mut onward = Ray::new(from.point, way.to_array());
+            if random.below(4) == 0 {
+                onward.tmax = random.between(0.0, 4.0);
+            }
+            let surface = surface_of(&from, DVec3::from(onward.origin), onward.tmin);
+            let ask = |kernel: Kernel| {
+                kernel.quick::<false, false>(&scene.tables, &onward, from.cell, Some(&surface))
+            };
+            let found: Vec<Option<Quick>> = Kernel::available().into_iter().map(ask).collect();
+            let parts =
+                |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
+            assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {onward:?} {found:?}");
+            let careful = scene.careful(Start::Hit(&from), &onward, Want::LEAST);
+            assert_eq!(
+                scene.occluded_from(Start::Hit(&from), &onward),
+                careful.triangle != NONE,
+                "{name}: {from:?} {onward:?} {careful:?}"
+            );
+            all += 1;
+            let Some(Quick { found, .. }) = found[0] else { continue };
+            quick += 1;
+            let is_same = found.triangle == NONE || (found.t - careful.t).abs() <= 1e-6 / GRAZING;
+            assert!(
+                (found.triangle == NONE) == (careful.triangle == NONE) && is_same,
+                "{name}: {from:?} {onward:?} {found:?} {careful:?}"
+            );
+        }
+        assert!(f64::from(quick) >= share * f64::from(all) && all > 10_000, "{name}: {quick} of {all} rays");
+    }
+
+    #[test]
+    fn from_surfaces_it_answers_as_the_careful_walk_does() {
+        check_from_surfaces("house", &scene(&house(&HouseOptions::default()), &Style::exact()), 0.7);
+        let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+        check_from_surfaces("build1", &scene(&build1(&office(0)), &Style::exact()), 0.7);
+        for seed in 1..3 {
+            check_from_surfaces(
+                &format!("random {seed}"),
+                &scene(&random(&office(seed)), &Style::exact()),
+                0.6,
+            );
+            check_from_surfaces(
+                &format!("cad {seed}"),
+                &scene(&random(&office(seed)), &Style::cad(seed)),
+                0.0,
+            );
+        }
+    }
+
     #[test]
     fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
         let scene = scene(&house(&HouseOptions::default()), &Style::exact());
         let (cell, ray) = rays(&scene, 1, 3)[0];
-        let quick =
-            |cell: u32, ray: Ray| scene.kernel.quick::<false, false>(&scene.tables, &ray, cell).is_some();
+        let quick = |cell: u32, ray: Ray| {
+            scene.kernel.quick::<false, false>(&scene.tables, &ray, cell, None).is_some()
+        };
         for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));
             assert!(!quick(cell, Ray { direction: [0.0, component, 0.0], ..ray }));

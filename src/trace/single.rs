@@ -19,10 +19,6 @@ use crate::scene::Scene;
 /// that it starts on.
 const ON_PLANE: f64 = 1e-11;
 
-/// A plane no farther than [`ON_PLANE`] is met no farther behind than this many times as far, unless the ray runs
-/// almost in it.
-const BEHIND: f64 = 1e4;
-
 /// From where a ray starts, if the caller knows: then nothing is looked up.
 #[derive(Clone, Copy, Debug)]
 pub enum Start<'a> {
@@ -33,6 +29,18 @@ pub enum Start<'a> {
     /// On the surface of this hit, to the side from which its ray came, or through it: the surface itself is not met
     /// again. The walk begins in the hit's cell.
     Hit(&'a Hit),
+}
+
+impl Start<'_> {
+    /// The cell in which it may be, or none.
+    #[inline(always)]
+    fn hint(self) -> u32 {
+        match self {
+            Start::Anywhere => NONE,
+            Start::Cell(cell) => cell,
+            Start::Hit(hit) => hit.cell,
+        }
+    }
 }
 
 /// What of an answer is wanted beside distance, element and triangle.
@@ -105,7 +113,8 @@ impl Scene {
     ) -> Hit {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) = kernel.quick::<false, SCATTERED>(&self.tables, ray, cell)
+            && let Some(quick) =
+                kernel.quick::<false, SCATTERED>(&self.tables, ray, cell, on(start, ray).as_ref())
         {
             return self.describe_quick(ray, &quick, want);
         }
@@ -145,7 +154,7 @@ impl Scene {
         let place = self.quick_start(start, ray);
         if let Some(place) = place
             && let Some(Quick { found, cell, .. }) =
-                kernel.quick::<false, SCATTERED>(&self.tables, ray, place)
+                kernel.quick::<false, SCATTERED>(&self.tables, ray, place, on(start, ray).as_ref())
         {
             if found.triangle == NONE {
                 return Brief::ESCAPED;
@@ -163,8 +172,7 @@ impl Scene {
             Start::Anywhere => self.free_cell(ray.origin),
             Start::Cell(cell) if self.tables.is_air(cell) => Some(cell),
             Start::Cell(_) => self.free_cell(ray.origin),
-            // From a surface.
-            Start::Hit(_) => None,
+            Start::Hit(hit) => self.tables.is_air(hit.cell).then_some(hit.cell),
         }
     }
 
@@ -212,7 +220,8 @@ impl Scene {
         let mut cost = Cost::default();
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(found) = quick::<Portable, _, false>(&self.tables, ray, cell, &mut cost)
+            && let Some(found) =
+                quick::<Portable, _, false>(&self.tables, ray, cell, on(start, ray).as_ref(), &mut cost)
         {
             return (self.describe_quick(ray, &found, want), cost);
         }
@@ -232,12 +241,7 @@ impl Scene {
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
-        let hint = match start {
-            Start::Anywhere => NONE,
-            Start::Cell(cell) => cell,
-            Start::Hit(hit) => hit.cell,
-        };
-        let mut ended = nearest(tables, &line, surface(start, &line), hint, probe);
+        let mut ended = nearest(tables, &line, surface(start, &line), start.hint(), probe);
         ended.found.t = ended.found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
@@ -272,26 +276,45 @@ impl Scene {
     /// Glass stands in the way too. A ray that starts inside a solid is in its way, unless it leaves it for the air
     /// within the tolerance.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.occluded_as::<false>(ray)
+        self.occluded_from(Start::Anywhere, ray)
+    }
+
+    /// The same, from a start that the caller knows: from a hit to a lamp.
+    ///
+    /// ```no_run
+    /// # use enfilade::{Hit, Ray, Scene, Start};
+    /// # fn lit(scene: &Scene, hit: &Hit, lamp: [f64; 3]) -> bool {
+    /// let to_lamp = [0, 1, 2].map(|axis| lamp[axis] - hit.point[axis]);
+    /// let length = to_lamp.iter().map(|c| c * c).sum::<f64>().sqrt();
+    /// !scene.occluded_from(Start::Hit(hit), &Ray::segment(hit.point, to_lamp, 0.0, length))
+    /// # }
+    /// ```
+    pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
+        self.occluded_as::<false>(start, ray)
     }
 
     /// The same; `SCATTERED`, if the ray before went elsewhere.
     #[inline]
-    pub(super) fn occluded_as<const SCATTERED: bool>(&self, ray: &Ray) -> bool {
-        let cell = self.free_cell(ray.origin);
+    pub(super) fn occluded_as<const SCATTERED: bool>(&self, start: Start<'_>, ray: &Ray) -> bool {
+        let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) = self.kernel.quick::<true, SCATTERED>(&self.tables, ray, cell)
+            && let Some(quick) =
+                self.kernel.quick::<true, SCATTERED>(&self.tables, ray, cell, on(start, ray).as_ref())
         {
             return quick.found.triangle != NONE;
         }
+        let start = known(start, ray, cell);
         let Some(line) = Line::new(&self.tables, ray) else { return false };
-        if !(cell.is_some() && line.tmin == 0.0) && self.may_start_in_solid(&line) {
-            return self.trace_from(Start::Anywhere, ray, Want::LEAST).answer() != Answer::Escaped;
+        let is_anywhere = matches!(start, Start::Anywhere);
+        if is_anywhere && self.may_start_in_solid(&line) {
+            return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let hint = cell.unwrap_or(NONE);
-        let ended = nearest(&self.tables, &line, None, hint, &mut Plain::<true>(self.kernel));
+        let (surface, probe) = (surface(start, &line), &mut Plain::<true>(self.kernel));
+        let ended = nearest(&self.tables, &line, surface, start.hint(), probe);
         ended.found.triangle != NONE
-            || (ended.in_matter && self.solid_around(line.origin + line.direction * line.tmin).is_some())
+            || (is_anywhere
+                && ended.in_matter
+                && self.solid_around(line.origin + line.direction * line.tmin).is_some())
     }
 
     #[inline]
@@ -423,7 +446,7 @@ impl Line {
     pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
-        let tmin = surface.map_or(self.tmin, |surface| self.tmin - BEHIND * surface.near);
+        let tmin = surface.map_or(self.tmin, |surface| self.tmin - surface.behind());
         let range = (tmin, self.tmax);
         Query::new(self.origin, self.direction, range, self.start, scene, root, surface)
     }
@@ -433,10 +456,22 @@ impl Line {
 #[inline]
 fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
     match start {
-        Start::Hit(hit) => {
-            let near = ON_PLANE * (1.0 + line.origin.abs().max_element());
-            Some(Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin: line.tmin })
-        }
+        Start::Hit(hit) => Some(surface_of(hit, line.origin, line.tmin)),
         _ => None,
     }
+}
+
+/// The same of a ray of which nothing was worked out.
+#[inline(always)]
+fn on(start: Start<'_>, ray: &Ray) -> Option<Surface> {
+    match start {
+        Start::Hit(hit) => Some(surface_of(hit, DVec3::from(ray.origin), ray.tmin)),
+        _ => None,
+    }
+}
+
+#[inline]
+pub(super) fn surface_of(hit: &Hit, origin: DVec3, tmin: f64) -> Surface {
+    let near = ON_PLANE * (1.0 + origin.abs().max_element());
+    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin }
 }

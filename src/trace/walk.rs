@@ -99,6 +99,18 @@ pub(super) struct Surface {
     pub(super) tmin: f64,
 }
 
+/// A plane no farther than [`Surface::near`] is met no farther behind than this many times as far, unless the ray runs
+/// almost in it.
+const BEHIND: f64 = 1e4;
+
+impl Surface {
+    /// How far, metres, behind the ray's origin anything is looked for.
+    #[inline(always)]
+    pub(super) fn behind(&self) -> f64 {
+        BEHIND * self.near
+    }
+}
+
 /// Normals at a smaller angle than the root of twice this belong to one plane.
 const PARALLEL: f64 = 1e-10;
 
