@@ -18,9 +18,9 @@ use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
 use super::locate;
 use super::packet::{self, Eight};
-use super::quick::{self, Quick};
+use super::quick::{self, From, Quick};
 use super::ray::Ray;
-use super::walk::{Found, Query, Surface, Walk, walk};
+use super::walk::{Found, Query, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
@@ -332,14 +332,8 @@ fn free_avx2(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn quick_avx2<P: Probe, const SCATTERED: bool>(
-    tables: &Views,
-    ray: &Ray,
-    hint: u32,
-    surface: Option<&Surface>,
-    probe: &mut P,
-) -> Option<Quick> {
-    quick::quick::<Avx2, P, SCATTERED>(tables, ray, hint, surface, probe)
+fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
+    quick::quick::<Avx2, P>(tables, ray, start, probe)
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -386,16 +380,10 @@ pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 /// # Panics
 /// If the CPU lacks AVX2 or FMA (debug builds).
 #[inline]
-pub(super) fn quick<P: Probe, const SCATTERED: bool>(
-    tables: &Views,
-    ray: &Ray,
-    hint: u32,
-    surface: Option<&Surface>,
-    probe: &mut P,
-) -> Option<Quick> {
+pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { quick_avx2::<P, SCATTERED>(tables, ray, hint, surface, probe) }
+    unsafe { quick_avx2(tables, ray, start, probe) }
 }
 
 /// The nearest hit, or with `ANY` some hit.

@@ -162,7 +162,7 @@ impl Scene {
             hits,
             |index, lane, eight, rays, starts| match eight.get(lane) {
                 Some(quick) => self.describe_quick(&rays[index], &quick, want),
-                None => self.trace_as::<true>(self.kernel, starts.of(index), &rays[index], want),
+                None => self.trace_as(true, self.kernel, starts.of(index), &rays[index], want),
             },
         );
     }
@@ -197,7 +197,7 @@ impl Scene {
         if eight.known >> lane & 1 != 0 {
             eight.brief(lane)
         } else {
-            self.trace_brief_as::<true>(kernel, start, ray)
+            self.trace_brief_as(true, kernel, start, ray)
         }
     }
 
@@ -224,7 +224,7 @@ impl Scene {
         self.many::<true, _>(self.kernel, starts, rays, occluded, |index, lane, eight, rays, starts| {
             match eight.get(lane) {
                 Some(quick) => quick.found.triangle != NONE,
-                None => self.occluded_as::<true>(starts.of(index), &rays[index]),
+                None => self.occluded_as(true, starts.of(index), &rays[index]),
             }
         });
     }

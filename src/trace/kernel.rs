@@ -4,9 +4,9 @@ use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
 use super::packet::{Eight, packet};
-use super::quick::{Quick, quick};
+use super::quick::{From, Quick, quick};
 use super::ray::Ray;
-use super::walk::{Found, Query, Surface, Walk, walk};
+use super::walk::{Found, Query, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
 use crate::format::Views;
@@ -85,22 +85,16 @@ impl Kernel {
         }
     }
 
-    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything, from a cell, or from a `surface` of it; `SCATTERED`, if those before it went elsewhere.
+    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything.
     #[inline]
-    pub(super) fn quick<const ANY: bool, const SCATTERED: bool>(
-        self,
-        tables: &Views,
-        ray: &Ray,
-        hint: u32,
-        surface: Option<&Surface>,
-    ) -> Option<Quick> {
+    pub(super) fn quick<const ANY: bool>(self, tables: &Views, ray: &Ray, start: &From<'_>) -> Option<Quick> {
         let probe = &mut Plain::<ANY>(self);
         match self.0 {
-            Set::Portable => quick::<Portable, _, SCATTERED>(tables, ray, hint, surface, probe),
+            Set::Portable => quick::<Portable, _>(tables, ray, start, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick::<_, SCATTERED>(tables, ray, hint, surface, probe),
+            Set::Avx2 => avx2::quick(tables, ray, start, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::quick::<_, SCATTERED>(tables, ray, hint, surface, probe),
+            Set::Avx512 => avx512::quick(tables, ray, start, probe),
         }
     }
 

@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::NONE;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
-use super::path::{BLURRED, NEAR, Prisms};
+use super::path::{BLURRED, NEAR};
 use super::ray::Ray;
 use super::step::Step;
 use super::walk::{Found, Query, Surface, Walk, inverse};
@@ -52,30 +52,42 @@ pub(super) struct Quick {
 /// What the ray meets first, or something where the `probe` looks for any; `hint` is the cell in which it starts, or on whose `surface`.
 /// `None` where there is doubt.
 #[inline(always)]
-pub(super) fn quick<L: Lanes, P: Probe, const SCATTERED: bool>(
+pub(super) fn quick<L: Lanes, P: Probe>(
     tables: &Views,
     ray: &Ray,
-    hint: u32,
-    surface: Option<&Surface>,
+    start: &From<'_>,
     probe: &mut P,
 ) -> Option<Quick> {
-    let way = Way::<SCATTERED>::new(tables, ray)?;
-    match surface {
-        None => way.run::<L>(hint, probe),
-        Some(_) => Way { surface, ..way }.run_from_surface::<L>(hint, probe),
+    let way = Way { scattered: start.scattered, surface: start.surface, ..Way::new(tables, ray)? };
+    if start.surface.is_none() {
+        way.run::<L>(start.cell, probe)
+    } else {
+        way.run_from_surface::<L>(start.cell, probe)
     }
 }
 
-/// A ray under way; `SCATTERED`, if the ray before it went elsewhere.
+/// From where a ray starts, as far as it is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct From<'a> {
+    /// The cell.
+    pub(super) cell: u32,
+    /// What it starts on, if on anything.
+    pub(super) surface: Option<&'a Surface>,
+    /// Whether the ray before it went elsewhere.
+    pub(super) scattered: bool,
+}
+
+/// A ray under way.
 #[derive(Clone, Copy)]
-pub(super) struct Way<'a, const SCATTERED: bool> {
+pub(super) struct Way<'a> {
     tables: &'a Views,
     /// As the caller has it.
     origin: DVec3,
     direction: DVec3,
     pub(super) limit: f64,
-    /// What it starts on, if on anything.
+    /// As `From` has them.
     surface: Option<&'a Surface>,
+    scattered: bool,
     /// Along the lattice's axes, from its origin.
     from: DVec3,
     along: DVec3,
@@ -103,7 +115,7 @@ struct Edge {
     b: [f32; 2],
 }
 
-impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
+impl<'a> Way<'a> {
     #[inline(always)]
     pub(super) fn new(tables: &'a Views, ray: &Ray) -> Option<Self> {
         let scene = &tables.scene[0];
@@ -138,7 +150,19 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
         let moment = along.y * from.x - along.x * from.y;
         let blurred = BLURRED * (along.x.abs() + along.y.abs());
         let steep = 1.0 / along.z;
-        Way { tables, origin, direction, limit, surface: None, from, along, steep, moment, blurred }
+        Way {
+            tables,
+            origin,
+            direction,
+            limit,
+            surface: None,
+            scattered: false,
+            from,
+            along,
+            steep,
+            moment,
+            blurred,
+        }
     }
 
     #[inline(always)]
@@ -150,11 +174,8 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
     /// The same of a ray that starts on the surface of a cell, or of what stands in it.
     #[inline(always)]
     fn run_from_surface<L: Lanes>(&self, hint: u32, probe: &mut impl Probe) -> Option<Quick> {
-        let surface = self.surface?;
-        let record = self.tables.cells.get(hint as usize)?;
         // Away from it, and not along it.
-        let is_away = self.direction.dot(surface.normal) >= GRAZING;
-        if !(is_away && Prisms::new(self.tables).nearly_holds(record, self.from, BLURRED)) {
+        if !(self.direction.dot(self.surface?.normal) >= GRAZING && self.starts_beside::<L>(hint)?) {
             return None;
         }
         let exit = self.leave::<L, false>(hint)?;
@@ -163,6 +184,31 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
         }
         let quick = self.onward::<L>(hint, exit, probe)?;
         (quick.found.triangle == NONE || quick.found.t >= FROM_SURFACE).then_some(quick)
+    }
+
+    /// Whether the ray starts in a simple prism, or beside one face of it: where it starts beside more, what stands behind one of them
+    /// may come before another by what cells are blurred.
+    #[inline(always)]
+    fn starts_beside<L: Lanes>(&self, cell: u32) -> Option<bool> {
+        let (step, record) = (self.tables.steps.get(cell as usize)?, self.tables.cells.get(cell as usize)?);
+        if !step.is_some() {
+            return None;
+        }
+        let (x, y) = (L::load(&step.x), L::load(&step.y));
+        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
+        let (px, py) = (L::splat(self.from.x as f32).sub(x), L::splat(self.from.y as f32).sub(y));
+        // Rounded alike on all kernels.
+        let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
+        let edges = (1u32 << step.corners) - 1;
+        let beyond = |margin: f64| L::bits(size.mul(L::splat(margin as f32)).le(inward)) & edges;
+        let mut beside = (edges & !beyond(2.0 * BLURRED)).count_ones();
+        let mut is_in = beyond(-BLURRED) == edges;
+        for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
+            let within = self.over(plane).0 * up;
+            beside += u32::from(!(within >= 2.0 * BLURRED));
+            is_in &= within >= -BLURRED;
+        }
+        Some(is_in && beside <= 1)
     }
 
     /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.
@@ -342,7 +388,7 @@ impl<'a, const SCATTERED: bool> Way<'a, SCATTERED> {
         }
         let (x, y) = (L::load(&step.x), L::load(&step.y));
         let (index, [right, left]) =
-            if SCATTERED { self.edge_of_all(x, y)? } else { self.edge_by_edge(step)? };
+            if self.scattered { self.edge_of_all(x, y)? } else { self.edge_by_edge(step)? };
         let next = (index + 1) % LANES;
         let (a, b) = ([step.x[index], step.y[index]], [step.x[next], step.y[next]]);
         let [ex, ey] = edge(a, b);
@@ -637,6 +683,10 @@ mod tests {
         compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
     }
 
+    fn from<'a>(cell: u32, surface: Option<&'a Surface>) -> From<'a> {
+        From { cell, surface, scattered: false }
+    }
+
     /// Rays from the air of the zone, half of them through places in rooms, the cells in which they start.
     fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
         let mut random = SplitMix64::new(seed);
@@ -665,14 +715,18 @@ mod tests {
         for (cell, ray) in &rays {
             let found: Vec<Option<Quick>> = Kernel::available()
                 .into_iter()
-                .map(|k| k.quick::<false, false>(&scene.tables, ray, *cell, None))
+                .map(|k| k.quick::<false>(&scene.tables, ray, &from(*cell, None)))
                 .collect();
             let parts =
                 |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
             assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-            let scattered = scene.kernel.quick::<false, true>(&scene.tables, ray, *cell, None);
+            let scattered = scene.kernel.quick::<false>(
+                &scene.tables,
+                ray,
+                &From { scattered: true, ..from(*cell, None) },
+            );
             assert_eq!(parts(&scattered), parts(&found[0]), "{name}: {ray:?}");
-            let any = scene.kernel.quick::<true, true>(&scene.tables, ray, *cell, None);
+            let any = scene.kernel.quick::<true>(&scene.tables, ray, &from(*cell, None));
             let Some(Quick { found, .. }) = found[0] else { continue };
             quick += 1;
             let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
@@ -725,9 +779,9 @@ mod tests {
         let mut random = SplitMix64::new(11);
         let (mut quick, mut all) = (0, 0);
         for (cell, ray) in rays(scene, 20_000, 6) {
-            let from = scene.trace_from(Start::Cell(cell), &ray, Want::LEAST);
-            let normal = DVec3::from(from.normal);
-            if from.triangle == NONE {
+            let hit = scene.trace_from(Start::Cell(cell), &ray, Want::LEAST);
+            let normal = DVec3::from(hit.normal);
+            if hit.triangle == NONE {
                 continue;
             }
             let mut way = DVec3::from([0, 1, 2].map(|_| random.between(-1.0, 1.0)));
@@ -737,23 +791,23 @@ mod tests {
                 1 => way = -way,
                 _ => {}
             }
-            let mut onward = Ray::new(from.point, way.to_array());
+            let mut onward = Ray::new(hit.point, way.to_array());
             if random.below(4) == 0 {
                 onward.tmax = random.between(0.0, 4.0);
             }
-            let surface = surface_of(&from, DVec3::from(onward.origin), onward.tmin);
+            let surface = surface_of(&hit, DVec3::from(onward.origin), onward.tmin);
             let ask = |kernel: Kernel| {
-                kernel.quick::<false, false>(&scene.tables, &onward, from.cell, Some(&surface))
+                kernel.quick::<false>(&scene.tables, &onward, &from(hit.cell, Some(&surface)))
             };
             let found: Vec<Option<Quick>> = Kernel::available().into_iter().map(ask).collect();
             let parts =
                 |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
             assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {onward:?} {found:?}");
-            let careful = scene.careful(Start::Hit(&from), &onward, Want::LEAST);
+            let careful = scene.careful(Start::Hit(&hit), &onward, Want::LEAST);
             assert_eq!(
-                scene.occluded_from(Start::Hit(&from), &onward),
+                scene.occluded_from(Start::Hit(&hit), &onward),
                 careful.triangle != NONE,
-                "{name}: {from:?} {onward:?} {careful:?}"
+                "{name}: {hit:?} {onward:?} {careful:?}"
             );
             all += 1;
             let Some(Quick { found, .. }) = found[0] else { continue };
@@ -761,7 +815,7 @@ mod tests {
             let is_same = found.triangle == NONE || (found.t - careful.t).abs() <= 1e-6 / GRAZING;
             assert!(
                 (found.triangle == NONE) == (careful.triangle == NONE) && is_same,
-                "{name}: {from:?} {onward:?} {found:?} {careful:?}"
+                "{name}: {hit:?} {onward:?} {found:?} {careful:?}"
             );
         }
         assert!(f64::from(quick) >= share * f64::from(all) && all > 10_000, "{name}: {quick} of {all} rays");
@@ -791,7 +845,7 @@ mod tests {
         let scene = scene(&house(&HouseOptions::default()), &Style::exact());
         let (cell, ray) = rays(&scene, 1, 3)[0];
         let quick = |cell: u32, ray: Ray| {
-            scene.kernel.quick::<false, false>(&scene.tables, &ray, cell, None).is_some()
+            scene.kernel.quick::<false>(&scene.tables, &ray, &from(cell, None)).is_some()
         };
         for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));

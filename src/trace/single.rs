@@ -8,7 +8,7 @@ use super::cost::Cost;
 use super::kernel::{Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
-use super::quick::{Quick, quick};
+use super::quick::{From, Quick, quick};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -99,13 +99,14 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        self.trace_as::<false>(kernel, start, ray, want)
+        self.trace_as(false, kernel, start, ray, want)
     }
 
-    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    /// The same; `scattered`, if the ray before went elsewhere.
     #[inline]
-    pub(super) fn trace_as<const SCATTERED: bool>(
+    pub(super) fn trace_as(
         &self,
+        scattered: bool,
         kernel: Kernel,
         start: Start<'_>,
         ray: &Ray,
@@ -113,8 +114,11 @@ impl Scene {
     ) -> Hit {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) =
-                kernel.quick::<false, SCATTERED>(&self.tables, ray, cell, on(start, ray).as_ref())
+            && let Some(quick) = kernel.quick::<false>(
+                &self.tables,
+                ray,
+                &From { cell: cell, surface: on(start, ray).as_ref(), scattered },
+            )
         {
             return self.describe_quick(ray, &quick, want);
         }
@@ -140,21 +144,25 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        self.trace_brief_as::<false>(kernel, start, ray)
+        self.trace_brief_as(false, kernel, start, ray)
     }
 
-    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    /// The same; `scattered`, if the ray before went elsewhere.
     #[inline]
-    pub(super) fn trace_brief_as<const SCATTERED: bool>(
+    pub(super) fn trace_brief_as(
         &self,
+        scattered: bool,
         kernel: Kernel,
         start: Start<'_>,
         ray: &Ray,
     ) -> Brief {
         let place = self.quick_start(start, ray);
         if let Some(place) = place
-            && let Some(Quick { found, cell, .. }) =
-                kernel.quick::<false, SCATTERED>(&self.tables, ray, place, on(start, ray).as_ref())
+            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(
+                &self.tables,
+                ray,
+                &From { cell: place, surface: on(start, ray).as_ref(), scattered },
+            )
         {
             if found.triangle == NONE {
                 return Brief::ESCAPED;
@@ -220,8 +228,12 @@ impl Scene {
         let mut cost = Cost::default();
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(found) =
-                quick::<Portable, _, false>(&self.tables, ray, cell, on(start, ray).as_ref(), &mut cost)
+            && let Some(found) = quick::<Portable, _>(
+                &self.tables,
+                ray,
+                &From { cell, surface: on(start, ray).as_ref(), scattered: false },
+                &mut cost,
+            )
         {
             return (self.describe_quick(ray, &found, want), cost);
         }
@@ -290,16 +302,19 @@ impl Scene {
     /// # }
     /// ```
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
-        self.occluded_as::<false>(start, ray)
+        self.occluded_as(false, start, ray)
     }
 
-    /// The same; `SCATTERED`, if the ray before went elsewhere.
+    /// The same; `scattered`, if the ray before went elsewhere.
     #[inline]
-    pub(super) fn occluded_as<const SCATTERED: bool>(&self, start: Start<'_>, ray: &Ray) -> bool {
+    pub(super) fn occluded_as(&self, scattered: bool, start: Start<'_>, ray: &Ray) -> bool {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) =
-                self.kernel.quick::<true, SCATTERED>(&self.tables, ray, cell, on(start, ray).as_ref())
+            && let Some(quick) = self.kernel.quick::<true>(
+                &self.tables,
+                ray,
+                &From { cell, surface: on(start, ray).as_ref(), scattered },
+            )
         {
             return quick.found.triangle != NONE;
         }

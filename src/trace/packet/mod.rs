@@ -164,7 +164,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
 
     /// A ray by itself.
     #[inline(always)]
-    fn way(&self, lane: usize) -> Option<Way<'a, false>> {
+    fn way(&self, lane: usize) -> Option<Way<'a>> {
         Way::new(self.tables, self.rays[lane])
     }
 
