@@ -14,7 +14,7 @@ use std::arch::x86_64::{
     _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 
-use super::kernel::Probe;
+use super::kernel::{Ask, Probe};
 use super::lanes::{Lanes, Wide};
 use super::locate;
 use super::packet::{self, Eight};
@@ -322,8 +322,8 @@ pub(super) fn is_available() -> bool {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn walk_avx2<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
-    walk::<Avx2, ANY>(tables, query, &mut ())
+fn walk_avx2(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
+    walk::<Avx2>(ask, tables, query, &mut ())
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -386,13 +386,13 @@ pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe
     unsafe { quick_avx2(tables, ray, start, probe) }
 }
 
-/// The nearest hit, or with `ANY` some hit.
+/// The nearest hit, or some hit.
 ///
 /// # Panics
 /// If the CPU lacks AVX2 or FMA (debug builds).
 #[inline]
-pub(super) fn run<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
+pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
     debug_assert!(is_available());
     // SAFETY: a kernel of this set is made by `Kernel::avx2` only, after `is_available` said yes.
-    unsafe { walk_avx2::<ANY>(tables, query) }
+    unsafe { walk_avx2(ask, tables, query) }
 }

@@ -14,7 +14,7 @@ use std::arch::x86_64::{
 };
 
 use super::avx2;
-use super::kernel::Probe;
+use super::kernel::{Ask, Probe};
 use super::lanes::{Lanes, Wide};
 use super::locate;
 use super::packet::{self, Eight};
@@ -272,8 +272,8 @@ pub(super) fn is_available() -> bool {
 }
 
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn walk_avx512<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
-    walk::<Avx512, ANY>(tables, query, &mut ())
+fn walk_avx512(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
+    walk::<Avx512>(ask, tables, query, &mut ())
 }
 
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
@@ -336,13 +336,13 @@ pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe
     unsafe { quick_avx512(tables, ray, start, probe) }
 }
 
-/// The nearest hit, or with `ANY` some hit.
+/// The nearest hit, or some hit.
 ///
 /// # Panics
 /// If the CPU lacks what is asked for (debug builds).
 #[inline]
-pub(super) fn run<const ANY: bool>(tables: &Walk<'_>, query: &Query) -> Found {
+pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
     debug_assert!(is_available());
     // SAFETY: a kernel of this set is made by `Kernel::avx512` only, after `is_available` said yes.
-    unsafe { walk_avx512::<ANY>(tables, query) }
+    unsafe { walk_avx512(ask, tables, query) }
 }

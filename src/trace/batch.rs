@@ -1,6 +1,6 @@
 //! Many rays at once, into the caller's own buffers.
 
-use super::kernel::Kernel;
+use super::kernel::{Ask, Kernel};
 use super::locate::Place;
 use super::packet::Eight;
 use super::ray::{Brief, Hit, NONE, Ray};
@@ -155,7 +155,8 @@ impl Scene {
     /// # Panics
     /// If the slices, that of `starts` too, differ in length.
     pub fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
-        self.many::<false, _>(
+        self.many(
+            Ask::First,
             self.kernel,
             starts,
             rays,
@@ -186,7 +187,7 @@ impl Scene {
         rays: &[Ray],
         briefs: &mut [Brief],
     ) {
-        self.many::<false, _>(kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
+        self.many(Ask::First, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
             self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
         });
     }
@@ -203,7 +204,7 @@ impl Scene {
 
     #[cfg(all(test, feature = "compile"))]
     fn briefs_as(&self, plan: Plan, kernel: Kernel, starts: Starts<'_>, rays: &[Ray], briefs: &mut [Brief]) {
-        self.many_as::<false, _>(plan, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
+        self.many_as(Ask::First, plan, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
             self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
         });
     }
@@ -221,7 +222,7 @@ impl Scene {
     /// # Panics
     /// If the slices, that of `starts` too, differ in length.
     pub fn occluded_many_of(&self, starts: Starts<'_>, rays: &[Ray], occluded: &mut [bool]) {
-        self.many::<true, _>(self.kernel, starts, rays, occluded, |index, lane, eight, rays, starts| {
+        self.many(Ask::Any, self.kernel, starts, rays, occluded, |index, lane, eight, rays, starts| {
             match eight.get(lane) {
                 Some(quick) => quick.found.triangle != NONE,
                 None => self.occluded_as(true, starts.of(index), &rays[index]),
@@ -257,8 +258,9 @@ impl Scene {
     }
 
     /// Answers all rays: `answer` hears the number of a ray in its block, and its lane among eight that may be answered, or not.
-    fn many<const ANY: bool, A: Send>(
+    fn many<A: Send>(
         &self,
+        ask: Ask,
         kernel: Kernel,
         starts: Starts<'_>,
         rays: &[Ray],
@@ -280,12 +282,13 @@ impl Scene {
         } else {
             Plan::Sorted
         };
-        self.many_as::<ANY, A>(plan, kernel, starts, rays, answers, answer);
+        self.many_as(ask, plan, kernel, starts, rays, answers, answer);
     }
 
     /// The same as planned.
-    fn many_as<const ANY: bool, A: Send>(
+    fn many_as<A: Send>(
         &self,
+        ask: Ask,
         plan: Plan,
         kernel: Kernel,
         starts: Starts<'_>,
@@ -304,7 +307,8 @@ impl Scene {
                 }
             }
             Plan::Eight => {
-                self.eights::<ANY>(
+                self.eights(
+                    ask,
                     kernel,
                     |index| starts.cell(index),
                     rays,
@@ -322,7 +326,8 @@ impl Scene {
                     sorted[place as usize] = *ray;
                     numbers[place as usize] = (index as u32, starts.cell(index));
                 }
-                self.eights::<ANY>(
+                self.eights(
+                    ask,
                     kernel,
                     |index| numbers[index].1,
                     &sorted,
@@ -355,8 +360,9 @@ impl Scene {
     }
 
     /// Looks at rays eight at a time; tells a ray's number, its lane, and what they meet that is in no doubt.
-    fn eights<const ANY: bool>(
+    fn eights(
         &self,
+        ask: Ask,
         kernel: Kernel,
         start: impl Fn(usize) -> u32,
         rays: &[Ray],
@@ -379,7 +385,7 @@ impl Scene {
                 }
                 eight.cells[lane] = if known == NONE { last.1 } else { known };
             }
-            kernel.packet::<ANY>(&self.tables, &lanes, rays.len(), &mut eight);
+            kernel.packet(ask, &self.tables, &lanes, rays.len(), &mut eight);
             for lane in 0..rays.len() {
                 tell(first + lane, lane, &eight);
             }

@@ -8,6 +8,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
+use super::kernel::Ask;
 use super::lanes::{Lanes, Wide};
 use super::walk::{EDGE_ON, Found, LEAST, Query, ROUNDING, STACK, Walk};
 use crate::format::records::{LANES, Leaf, NodeRecord, SceneRecord};
@@ -77,10 +78,11 @@ struct Course<'a, 'w, L: Lanes> {
     farthest: L::Wide,
 }
 
-/// What the rays of a mask (lane i is bit i) meet under `root` no farther than `until`, first or, with `ANY`, at all; the triangle is
+/// What the rays of a mask (lane i is bit i) meet under `root` no farther than `until`, first or at all; the triangle is
 /// [`NONE`] of those that meet nothing.
 #[inline(always)]
-pub(super) fn together<L: Lanes, const ANY: bool>(
+pub(super) fn together<L: Lanes>(
+    ask: Ask,
     walk: &Walk<'_>,
     herd: &Herd<L>,
     rays: u32,
@@ -88,7 +90,7 @@ pub(super) fn together<L: Lanes, const ANY: bool>(
     until: L::Wide,
 ) -> Nearest {
     let mut course = Course::new(walk, herd, rays, until);
-    course.run::<ANY>(root);
+    course.run(ask, root);
     course.best
 }
 
@@ -140,14 +142,14 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
     }
 
     #[inline(always)]
-    fn run<const ANY: bool>(&mut self, root: u32) {
+    fn run(&mut self, ask: Ask, root: u32) {
         let first = L::splat(-self.walk.scene.slack);
         let lead = (self.active.trailing_zeros() as usize).min(LANES - 1);
         let mut stack = ArrayVec::<(u32, L), STACK>::new();
         let (mut current, mut rays) = (root, self.active);
         loop {
             if current & Leaf::BIT != 0 {
-                self.leaf::<ANY>(Leaf::new(current), rays);
+                self.leaf(ask, Leaf::new(current), rays);
                 if self.active == 0 {
                     return;
                 }
@@ -187,7 +189,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
 
     /// Looks at the triangles of a leaf: as `walk` does, in its `candidates`.
     #[inline(always)]
-    fn leaf<const ANY: bool>(&mut self, leaf: Leaf, rays: u32) {
+    fn leaf(&mut self, ask: Ask, leaf: Leaf, rays: u32) {
         let block = &self.walk.blocks[leaf.block()];
         let slack = self.walk.scene.slack;
         let ([ox, oy, oz], [dx, dy, dz]) = (self.rounded.local, self.rounded.toward);
@@ -226,14 +228,14 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
             let met = L::or(L::and(inside, L::and(ahead, near)), size.le(edge_on));
             let met = L::bits(met) & rays & self.active;
             if met != 0 {
-                self.test::<ANY>(triangle, met);
+                self.test(ask, triangle, met);
             }
         }
     }
 
     /// Decides in f64 which rays meet a triangle nearer than what they have met.
     #[inline(always)]
-    fn test<const ANY: bool>(&mut self, triangle: u32, rays: u32) {
+    fn test(&mut self, ask: Ask, triangle: u32, rays: u32) {
         let walk = self.walk;
         let (mut met, mut alone) = (0, rays & !self.sheared);
         if rays & self.sheared != 0 {
@@ -297,7 +299,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
             }
         }
         if met != 0 {
-            if ANY {
+            if ask == Ask::Any {
                 self.active &= !met;
             }
             self.tighten();

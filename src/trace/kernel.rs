@@ -12,6 +12,15 @@ use super::{avx2, avx512};
 use crate::format::Views;
 use crate::format::records::LANES;
 
+/// What is asked of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ask {
+    /// What it meets first.
+    First,
+    /// Whether it meets anything: any hit will do.
+    Any,
+}
+
 /// An instruction set that this CPU has. Made only by the functions below, which look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Kernel(Set);
@@ -85,10 +94,10 @@ impl Kernel {
         }
     }
 
-    /// What a ray meets that is in no doubt, or with `ANY` whether it meets anything.
+    /// What a ray meets that is in no doubt.
     #[inline]
-    pub(super) fn quick<const ANY: bool>(self, tables: &Views, ray: &Ray, start: &From<'_>) -> Option<Quick> {
-        let probe = &mut Plain::<ANY>(self);
+    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, start: &From<'_>) -> Option<Quick> {
+        let probe = &mut Plain { kernel: self, ask };
         match self.0 {
             Set::Portable => quick::<Portable, _>(tables, ray, start, probe),
             #[cfg(target_arch = "x86_64")]
@@ -100,39 +109,41 @@ impl Kernel {
 
     /// The same of the first `count` of eight rays at once.
     #[inline]
-    pub(super) fn packet<const ANY: bool>(
+    pub(super) fn packet(
         self,
+        ask: Ask,
         tables: &Views,
         rays: &[&Ray; LANES],
         count: usize,
         eight: &mut Eight,
     ) {
+        let probe = &mut Plain { kernel: self, ask };
         match self.0 {
-            Set::Portable => packet::<Portable, _>(tables, rays, count, eight, &mut Plain::<ANY>(self)),
+            Set::Portable => packet::<Portable, _>(tables, rays, count, eight, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::packet(tables, rays, count, eight, &mut Plain::<ANY>(self)),
+            Set::Avx2 => avx2::packet(tables, rays, count, eight, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::packet(tables, rays, count, eight, &mut Plain::<ANY>(self)),
+            Set::Avx512 => avx512::packet(tables, rays, count, eight, probe),
         }
     }
 
-    /// The nearest hit, or with `ANY` some hit.
+    /// The nearest hit, or some hit.
     #[inline]
-    pub(super) fn run<const ANY: bool>(self, tables: &Walk<'_>, query: &Query) -> Found {
+    pub(super) fn run(self, ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
         match self.0 {
-            Set::Portable => walk::<Portable, ANY>(tables, query, &mut ()),
+            Set::Portable => walk::<Portable>(ask, tables, query, &mut ()),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::run::<ANY>(tables, query),
+            Set::Avx2 => avx2::run(ask, tables, query),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::run::<ANY>(tables, query),
+            Set::Avx512 => avx512::run(ask, tables, query),
         }
     }
 }
 
 /// What runs the walks through hierarchies, and hears of the other steps of a ray.
 pub(super) trait Probe {
-    /// Whether any hit will do.
-    const ANY: bool;
+    /// What is asked.
+    fn ask(&self) -> Ask;
     /// The nearest hit.
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
     /// The nearest hit, or some hit for who wants to know only whether there is one.
@@ -147,28 +158,36 @@ pub(super) trait Probe {
     fn unsure(&mut self) {}
 }
 
-/// A kernel that counts nothing; with `ANY`, that finds some hit.
-pub(super) struct Plain<const ANY: bool>(pub(super) Kernel);
+/// A kernel that counts nothing.
+pub(super) struct Plain {
+    pub(super) kernel: Kernel,
+    pub(super) ask: Ask,
+}
 
-impl<const ANY: bool> Probe for Plain<ANY> {
-    const ANY: bool = ANY;
+impl Probe for Plain {
+    #[inline]
+    fn ask(&self) -> Ask {
+        self.ask
+    }
 
     #[inline]
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
-        self.0.run::<false>(tables, query)
+        self.kernel.run(Ask::First, tables, query)
     }
     #[inline]
     fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
-        self.0.run::<ANY>(tables, query)
+        self.kernel.run(self.ask, tables, query)
     }
 }
 
 /// The portable kernel, whose steps are those of all, counted.
 impl Probe for Cost {
-    const ANY: bool = false;
+    fn ask(&self) -> Ask {
+        Ask::First
+    }
 
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
-        walk::<Portable, false>(tables, query, self)
+        walk::<Portable>(Ask::First, tables, query, self)
     }
     fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
         self.nearest(tables, query)

@@ -675,6 +675,7 @@ mod tests {
         Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
     };
     use crate::splitmix::SplitMix64;
+    use crate::trace::kernel::Ask;
     use crate::trace::single::surface_of;
     use crate::trace::{Kernel, Place, Start, Want};
     use crate::{CompileOptions, Scene, compile};
@@ -715,18 +716,19 @@ mod tests {
         for (cell, ray) in &rays {
             let found: Vec<Option<Quick>> = Kernel::available()
                 .into_iter()
-                .map(|k| k.quick::<false>(&scene.tables, ray, &from(*cell, None)))
+                .map(|k| k.quick(Ask::First, &scene.tables, ray, &from(*cell, None)))
                 .collect();
             let parts =
                 |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
             assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-            let scattered = scene.kernel.quick::<false>(
+            let scattered = scene.kernel.quick(
+                Ask::First,
                 &scene.tables,
                 ray,
                 &From { scattered: true, ..from(*cell, None) },
             );
             assert_eq!(parts(&scattered), parts(&found[0]), "{name}: {ray:?}");
-            let any = scene.kernel.quick::<true>(&scene.tables, ray, &from(*cell, None));
+            let any = scene.kernel.quick(Ask::Any, &scene.tables, ray, &from(*cell, None));
             let Some(Quick { found, .. }) = found[0] else { continue };
             quick += 1;
             let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
@@ -797,7 +799,7 @@ mod tests {
             }
             let surface = surface_of(&hit, DVec3::from(onward.origin), onward.tmin);
             let ask = |kernel: Kernel| {
-                kernel.quick::<false>(&scene.tables, &onward, &from(hit.cell, Some(&surface)))
+                kernel.quick(Ask::First, &scene.tables, &onward, &from(hit.cell, Some(&surface)))
             };
             let found: Vec<Option<Quick>> = Kernel::available().into_iter().map(ask).collect();
             let parts =
@@ -845,7 +847,7 @@ mod tests {
         let scene = scene(&house(&HouseOptions::default()), &Style::exact());
         let (cell, ray) = rays(&scene, 1, 3)[0];
         let quick = |cell: u32, ray: Ray| {
-            scene.kernel.quick::<false>(&scene.tables, &ray, &from(cell, None)).is_some()
+            scene.kernel.quick(Ask::First, &scene.tables, &ray, &from(cell, None)).is_some()
         };
         for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));

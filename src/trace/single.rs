@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::begin::Begin;
 use super::cells::{Ended, among_all, nearest};
 use super::cost::Cost;
-use super::kernel::{Kernel, Plain, Probe};
+use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
 use super::quick::{From, Quick, quick};
@@ -114,7 +114,8 @@ impl Scene {
     ) -> Hit {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) = kernel.quick::<false>(
+            && let Some(quick) = kernel.quick(
+                Ask::First,
                 &self.tables,
                 ray,
                 &From { cell: cell, surface: on(start, ray).as_ref(), scattered },
@@ -122,7 +123,7 @@ impl Scene {
         {
             return self.describe_quick(ray, &quick, want);
         }
-        self.answer(known(start, ray, cell), ray, want, &mut Plain::<false>(kernel))
+        self.answer(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
     }
 
     /// What the ray meets first, in brief: the fastest way to ask.
@@ -158,7 +159,8 @@ impl Scene {
     ) -> Brief {
         let place = self.quick_start(start, ray);
         if let Some(place) = place
-            && let Some(Quick { found, cell, .. }) = kernel.quick::<false>(
+            && let Some(Quick { found, cell, .. }) = kernel.quick(
+                Ask::First,
                 &self.tables,
                 ray,
                 &From { cell: place, surface: on(start, ray).as_ref(), scattered },
@@ -169,7 +171,8 @@ impl Scene {
             }
             return Brief { t: found.t, triangle: found.triangle, cell };
         }
-        let hit = self.answer(known(start, ray, place), ray, Want::LEAST, &mut Plain::<false>(kernel));
+        let hit =
+            self.answer(known(start, ray, place), ray, Want::LEAST, &mut Plain { kernel, ask: Ask::First });
         Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
     }
 
@@ -245,7 +248,7 @@ impl Scene {
     /// The answer without the quick way.
     #[cfg(all(test, feature = "compile"))]
     pub(super) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        self.answer(start, ray, want, &mut Plain::<false>(self.kernel))
+        self.answer(start, ray, want, &mut Plain { kernel: self.kernel, ask: Ask::First })
     }
 
     /// The answer, `probe` running the walks.
@@ -310,7 +313,8 @@ impl Scene {
     pub(super) fn occluded_as(&self, scattered: bool, start: Start<'_>, ray: &Ray) -> bool {
         let cell = self.quick_start(start, ray);
         if let Some(cell) = cell
-            && let Some(quick) = self.kernel.quick::<true>(
+            && let Some(quick) = self.kernel.quick(
+                Ask::Any,
                 &self.tables,
                 ray,
                 &From { cell, surface: on(start, ray).as_ref(), scattered },
@@ -324,7 +328,7 @@ impl Scene {
         if is_anywhere && self.may_start_in_solid(&line) {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let (surface, probe) = (surface(start, &line), &mut Plain::<true>(self.kernel));
+        let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
         let ended = nearest(&self.tables, &line, surface, start.hint(), probe);
         ended.found.triangle != NONE
             || (is_anywhere

@@ -12,6 +12,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
+use super::kernel::Ask;
 use super::lanes::Lanes;
 use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord, RunRecord, SceneRecord, VolumeRecord};
 use crate::format::{MAX_DEPTH, Views};
@@ -347,13 +348,9 @@ impl Count for () {
     fn test(&mut self) {}
 }
 
-/// The nearest hit; with `ANY`, some hit.
+/// The nearest hit, or some hit.
 #[inline(always)]
-pub(super) fn walk<L: Lanes, const ANY: bool>(
-    walk: &Walk<'_>,
-    query: &Query,
-    count: &mut impl Count,
-) -> Found {
+pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &mut impl Count) -> Found {
     let mut best = Found { t: query.tmax, triangle: NONE };
     if query.root == NONE {
         return best;
@@ -432,7 +429,7 @@ pub(super) fn walk<L: Lanes, const ANY: bool>(
                     }
                     count.test();
                     if query.test(walk, block.triangle[lane], &mut best) {
-                        if ANY {
+                        if ask == Ask::Any {
                             return best;
                         }
                         limit = query.limit(best.t, slack);

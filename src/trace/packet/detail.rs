@@ -4,7 +4,7 @@ use super::Packet;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 use crate::trace::herd::{Herd, Nearest, Rounded, together};
-use crate::trace::kernel::Probe;
+use crate::trace::kernel::{Ask, Probe};
 use crate::trace::lanes::{Lanes, Wide};
 use crate::trace::path::NEAR;
 use crate::trace::walk::Walk;
@@ -12,14 +12,10 @@ use crate::trace::walk::Walk;
 impl<L: Lanes> Packet<'_, '_, L> {
     /// What some rays meet of detail before `t`.
     #[inline(always)]
-    pub(super) fn detail<P: Probe>(&self, rays: u32, root: u32, t: L::Wide) -> Nearest {
+    pub(super) fn detail(&self, ask: Ask, rays: u32, root: u32, t: L::Wide) -> Nearest {
         let herd = Herd::<L> { origin: self.origin, direction: self.direction };
         let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
-        if P::ANY {
-            together::<L, true>(&Walk::new(self.tables), &herd, rays, root, until)
-        } else {
-            together::<L, false>(&Walk::new(self.tables), &herd, rays, root, until)
-        }
+        together::<L>(ask, &Walk::new(self.tables), &herd, rays, root, until)
     }
 
     /// The rays that come to a box of the detail of their cells before `until`.

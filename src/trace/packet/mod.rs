@@ -247,7 +247,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
             let touched = self.touched_one(step.root, exit);
             if touched.count_ones() > FEW {
-                let found = self.detail::<P>(touched, step.root, self.passes(step, edge));
+                let found = self.detail(probe.ask(), touched, step.root, self.passes(step, edge));
                 for lane in lanes(touched) {
                     if found.triangle[lane] != NONE {
                         let met = Found { t: found.t[lane], triangle: found.triangle[lane] };
@@ -285,7 +285,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             }
         }
         if touched.count_ones() > FEW {
-            let found = self.detail::<P>(touched, step.root, t);
+            let found = self.detail(probe.ask(), touched, step.root, t);
             for lane in lanes(touched) {
                 let found = Found { t: found.t[lane], triangle: found.triangle[lane] };
                 if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
@@ -403,7 +403,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         if is_herd {
             let step = &tables.steps[cells[0] as usize];
             let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
-            met = self.detail::<P>(touched, root, L::Wide::load(&met.t));
+            met = self.detail(probe.ask(), touched, root, L::Wide::load(&met.t));
         }
         for lane in lanes(touched) {
             let (cell, bit) = (cells[lane], 1 << lane);
