@@ -48,13 +48,13 @@ impl<'a> Starts<'a> {
         }
     }
 
-    /// The cell of one of the rays, or none.
+    /// The cells of some of the rays, from the first on; none of those of which they are not known.
     #[inline(always)]
-    fn cell(self, index: usize) -> u32 {
+    fn fill(self, first: usize, cells: &mut [u32]) {
         match self {
-            Starts::Anywhere | Starts::Hits(_) => NONE,
-            Starts::Cell(cell) => cell,
-            Starts::Cells(cells) => cells[index],
+            Starts::Anywhere | Starts::Hits(_) => cells.fill(NONE),
+            Starts::Cell(cell) => cells.fill(cell),
+            Starts::Cells(all) => cells.copy_from_slice(&all[first..first + cells.len()]),
         }
     }
 
@@ -66,6 +66,15 @@ impl<'a> Starts<'a> {
             other => other,
         }
     }
+}
+
+/// Rays, and what is asked of them.
+#[derive(Clone, Copy)]
+struct Batch<'a> {
+    ask: Ask,
+    kernel: Kernel,
+    starts: Starts<'a>,
+    rays: &'a [Ray],
 }
 
 /// How a batch is answered: the answers are the same.
@@ -99,6 +108,13 @@ fn for_each_block<A: Send>(
         }
     }
     rays.chunks(size).zip(answers.chunks_mut(size)).enumerate().for_each(block);
+}
+
+/// What is seldom needed, out of the way of what is.
+#[cold]
+#[inline(never)]
+fn aside<A>(answer: impl FnOnce() -> A) -> A {
+    answer()
 }
 
 /// Of how many threads the work is.
@@ -156,15 +172,10 @@ impl Scene {
     /// If the slices, that of `starts` too, differ in length.
     pub fn trace_many_of(&self, starts: Starts<'_>, rays: &[Ray], hits: &mut [Hit], want: Want) {
         self.many(
-            Ask::First,
-            self.kernel,
-            starts,
-            rays,
+            Batch { ask: Ask::First, kernel: self.kernel, starts, rays },
             hits,
-            |index, lane, eight, rays, starts| match eight.get(lane) {
-                Some(quick) => self.describe_quick(&rays[index], &quick, want),
-                None => self.trace_as(true, self.kernel, starts.of(index), &rays[index], want),
-            },
+            |eight, lane, ray| self.describe_quick(ray, &eight.get(lane), want),
+            |start, ray| self.trace_as(true, self.kernel, start, ray, want),
         );
     }
 
@@ -187,26 +198,23 @@ impl Scene {
         rays: &[Ray],
         briefs: &mut [Brief],
     ) {
-        self.many(Ask::First, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
-            self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
-        });
-    }
-
-    /// The answer of a lane, or if it is not known that of its ray alone.
-    #[inline(always)]
-    fn brief_of(&self, kernel: Kernel, eight: &Eight, lane: usize, start: Start<'_>, ray: &Ray) -> Brief {
-        if eight.known >> lane & 1 != 0 {
-            eight.brief(lane)
-        } else {
-            self.trace_brief_as(true, kernel, start, ray)
-        }
+        self.many(
+            Batch { ask: Ask::First, kernel, starts, rays },
+            briefs,
+            |eight, lane, _| eight.brief(lane),
+            |start, ray| self.trace_brief_as(true, kernel, start, ray),
+        );
     }
 
     #[cfg(all(test, feature = "compile"))]
     fn briefs_as(&self, plan: Plan, kernel: Kernel, starts: Starts<'_>, rays: &[Ray], briefs: &mut [Brief]) {
-        self.many_as(Ask::First, plan, kernel, starts, rays, briefs, |index, lane, eight, rays, starts| {
-            self.brief_of(kernel, eight, lane, starts.of(index), &rays[index])
-        });
+        self.many_as(
+            plan,
+            Batch { ask: Ask::First, kernel, starts, rays },
+            briefs,
+            |eight, lane, _| eight.brief(lane),
+            |start, ray| self.trace_brief_as(true, kernel, start, ray),
+        );
     }
 
     /// Whether anything stands in the way of each ray, see [`Scene::occluded`].
@@ -222,12 +230,12 @@ impl Scene {
     /// # Panics
     /// If the slices, that of `starts` too, differ in length.
     pub fn occluded_many_of(&self, starts: Starts<'_>, rays: &[Ray], occluded: &mut [bool]) {
-        self.many(Ask::Any, self.kernel, starts, rays, occluded, |index, lane, eight, rays, starts| {
-            match eight.get(lane) {
-                Some(quick) => quick.found.triangle != NONE,
-                None => self.occluded_as(true, starts.of(index), &rays[index]),
-            }
-        });
+        self.many(
+            Batch { ask: Ask::Any, kernel: self.kernel, starts, rays },
+            occluded,
+            |eight, lane, _| eight.is_met(lane),
+            |start, ray| self.occluded_as(true, start, ray),
+        );
     }
 
     /// Where each point (internal frame, metres) lies: what [`Scene::locate`] answers. Faster where points near each other follow each
@@ -257,16 +265,15 @@ impl Scene {
         block((points, places));
     }
 
-    /// Answers all rays: `answer` hears the number of a ray in its block, and its lane among eight that may be answered, or not.
+    /// Answers all rays: `told` has the answer of a lane that is known, `alone` that of a ray by itself.
     fn many<A: Send>(
         &self,
-        ask: Ask,
-        kernel: Kernel,
-        starts: Starts<'_>,
-        rays: &[Ray],
+        batch: Batch<'_>,
         answers: &mut [A],
-        answer: impl Fn(usize, usize, &Eight, &[Ray], Starts<'_>) -> A + Sync,
+        told: impl Fn(&Eight, usize, &Ray) -> A + Sync,
+        alone: impl Fn(Start<'_>, &Ray) -> A + Sync,
     ) {
+        let Batch { starts, rays, .. } = batch;
         assert_eq!(rays.len(), answers.len(), "as many answers as rays");
         match starts {
             Starts::Cells(cells) => assert_eq!(rays.len(), cells.len(), "as many cells as rays"),
@@ -282,40 +289,41 @@ impl Scene {
         } else {
             Plan::Sorted
         };
-        self.many_as(ask, plan, kernel, starts, rays, answers, answer);
+        self.many_as(plan, batch, answers, told, alone);
     }
 
     /// The same as planned.
     fn many_as<A: Send>(
         &self,
-        ask: Ask,
         plan: Plan,
-        kernel: Kernel,
-        starts: Starts<'_>,
-        rays: &[Ray],
+        batch: Batch<'_>,
         answers: &mut [A],
-        answer: impl Fn(usize, usize, &Eight, &[Ray], Starts<'_>) -> A + Sync,
+        told: impl Fn(&Eight, usize, &Ray) -> A + Sync,
+        alone: impl Fn(Start<'_>, &Ray) -> A + Sync,
     ) {
+        let Batch { ask, kernel, starts, rays } = batch;
         let size = match plan {
             Plan::Sorted => (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end()),
             _ => IN_ORDER,
         };
+        let answer = |eight: &Eight, lane: usize, starts: Starts<'_>, index: usize, ray: &Ray| {
+            if eight.known >> lane & 1 != 0 {
+                told(eight, lane, ray)
+            } else {
+                aside(|| alone(starts.of(index), ray))
+            }
+        };
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
             Plan::One => {
-                for (index, to) in answers.iter_mut().enumerate() {
-                    *to = answer(index, 0, &Eight::NONE, rays, starts);
+                for (index, (ray, to)) in rays.iter().zip(answers).enumerate() {
+                    *to = alone(starts.of(index), ray);
                 }
             }
             Plan::Eight => {
-                self.eights(
-                    ask,
-                    kernel,
-                    |index| starts.cell(index),
-                    rays,
-                    |index, lane, eight| {
-                        answers[index] = answer(index, lane, eight, rays, starts);
-                    },
-                );
+                let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
+                self.eights(ask, kernel, cells, rays, |index, lane, eight| {
+                    answers[index] = answer(eight, lane, starts, index, &rays[index]);
+                });
             }
             Plan::Sorted => {
                 let order = self.order(starts, rays);
@@ -324,18 +332,19 @@ impl Scene {
                 let mut numbers = vec![(0u32, NONE); rays.len()];
                 for (index, (ray, &place)) in rays.iter().zip(&order).enumerate() {
                     sorted[place as usize] = *ray;
-                    numbers[place as usize] = (index as u32, starts.cell(index));
+                    let mut cell = [NONE];
+                    starts.fill(index, &mut cell);
+                    numbers[place as usize] = (index as u32, cell[0]);
                 }
-                self.eights(
-                    ask,
-                    kernel,
-                    |index| numbers[index].1,
-                    &sorted,
-                    |index, lane, eight| {
-                        let number = numbers[index].0 as usize;
-                        answers[number] = answer(number, lane, eight, rays, starts);
-                    },
-                );
+                let cells = |first: usize, cells: &mut [u32]| {
+                    for (cell, &(_, told)) in cells.iter_mut().zip(&numbers[first..]) {
+                        *cell = told;
+                    }
+                };
+                self.eights(ask, kernel, cells, &sorted, |index, lane, eight| {
+                    let number = numbers[index].0 as usize;
+                    answers[number] = answer(eight, lane, starts, number, &sorted[index]);
+                });
             }
         });
     }
@@ -359,12 +368,12 @@ impl Scene {
         places_of(&keys, places)
     }
 
-    /// Looks at rays eight at a time; tells a ray's number, its lane, and what they meet that is in no doubt.
+    /// Looks at rays eight at a time; `cells` tells those from the i-th on, if the caller knows them. Tells a ray's number, its lane, and what they meet that is in no doubt.
     fn eights(
         &self,
         ask: Ask,
         kernel: Kernel,
-        start: impl Fn(usize) -> u32,
+        cells: impl Fn(usize, &mut [u32]),
         rays: &[Ray],
         mut tell: impl FnMut(usize, usize, &Eight),
     ) {
@@ -374,9 +383,11 @@ impl Scene {
         for (group, rays) in rays.chunks(LANES).enumerate() {
             let first = group * LANES;
             let mut lanes = [&rays[0]; LANES];
+            let mut told = [NONE; LANES];
+            cells(first, &mut told[..rays.len()]);
             for (lane, ray) in rays.iter().enumerate() {
                 lanes[lane] = ray;
-                let cell = start(first + lane);
+                let cell = told[lane];
                 if cell != known {
                     known = if self.tables.is_air(cell) { cell } else { NONE };
                 }

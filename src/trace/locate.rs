@@ -137,6 +137,8 @@ pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Opti
     }
     let cube = tables.freegrid[0].cube(at)?;
     let (start, end) = (*tables.freestarts.get(cube)?, *tables.freestarts.get(cube + 1)?);
+    // No closure, which may not be compiled for the kernel's instructions.
+    #[allow(clippy::manual_find)]
     for &cell in &tables.freecells[start as usize..end as usize] {
         if holds_free::<L>(tables, cell, at, rounding) {
             return Some(cell);

@@ -118,7 +118,7 @@ impl Scene {
                 Ask::First,
                 &self.tables,
                 ray,
-                &From { cell: cell, surface: on(start, ray).as_ref(), scattered },
+                &From { cell, surface: on(start, ray).as_ref(), scattered },
             )
         {
             return self.describe_quick(ray, &quick, want);

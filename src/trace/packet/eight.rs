@@ -30,18 +30,20 @@ impl Eight {
         source: [NONE; LANES],
     };
 
-    /// The answer of a ray, if it is known.
+    /// The answer of a ray that has one.
     #[inline(always)]
-    pub(in crate::trace) fn get(&self, lane: usize) -> Option<Quick> {
+    pub(in crate::trace) fn get(&self, lane: usize) -> Quick {
         let found = Found { t: self.t[lane], triangle: self.triangle[lane] };
-        (self.known >> lane & 1 != 0).then_some(Quick {
-            found,
-            cell: self.cell[lane],
-            source: self.source[lane],
-        })
+        Quick { found, cell: self.cell[lane], source: self.source[lane] }
     }
 
-    /// The same in brief, known or not.
+    /// Whether a ray that has an answer meets anything.
+    #[inline(always)]
+    pub(in crate::trace) fn is_met(&self, lane: usize) -> bool {
+        self.triangle[lane] != NONE
+    }
+
+    /// The answer of a ray that has one, in brief.
     #[inline(always)]
     pub(in crate::trace) fn brief(&self, lane: usize) -> Brief {
         Brief { t: self.t[lane], triangle: self.triangle[lane], cell: self.cell[lane] }
