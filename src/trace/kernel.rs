@@ -56,12 +56,12 @@ impl Kernel {
         None
     }
 
-    /// The fastest that the CPU has.
+    /// The fastest that the CPU has, as measured: eight lanes are no faster for AVX-512's masks and wider f64 (`docs/PERFORMANCE.md`).
     pub fn best() -> Kernel {
         Kernel::avx2().unwrap_or(Kernel::PORTABLE)
     }
 
-    /// All that the CPU has, the slowest first.
+    /// All that the CPU has, those first that ask least of it.
     pub fn available() -> Vec<Kernel> {
         std::iter::once(Kernel::PORTABLE).chain(Kernel::avx2()).chain(Kernel::avx512()).collect()
     }

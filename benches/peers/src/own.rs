@@ -26,8 +26,12 @@ impl Way for Single {
     }
 
     fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
-        for (ray, answer) in rays.exact.iter().zip(answers) {
-            *answer = self.scene.occluded(ray);
+        // The scene has one kernel for these.
+        if self.kernel != Kernel::best() {
+            return false;
+        }
+        for ((ray, &cell), answer) in rays.exact.iter().zip(&rays.cells).zip(answers) {
+            *answer = self.scene.occluded_from(Start::Cell(cell), ray);
         }
         true
     }

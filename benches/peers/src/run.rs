@@ -18,7 +18,7 @@ use crate::{Arguments, crates, median};
 pub struct Row {
     pub scene: String,
     /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
-    /// random points of rooms see each other.
+    /// random points of rooms see each other; `points`: where random points lie.
     pub rays: &'static str,
     pub way: String,
     pub count: usize,
@@ -89,7 +89,8 @@ fn random(scene: &Scene, count: usize, pairs: bool) -> Rays {
 
 fn ways(scene: &Arc<Scene>, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
     let mut ways: Vec<Box<dyn Way>> = Vec::new();
-    for kernel in Kernel::available().into_iter().rev() {
+    let others = Kernel::available().into_iter().filter(|&kernel| kernel != Kernel::best());
+    for kernel in std::iter::once(Kernel::best()).chain(others) {
         ways.push(Box::new(Single { scene: Arc::clone(scene), kernel }));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be started");
@@ -131,6 +132,46 @@ pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Argume
     let mut rows = nearest(&measured.name, "primary", &ways, &frames, arguments.repeat);
     rows.extend(nearest(&measured.name, "random", &ways, &scattered, arguments.repeat));
     rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
+    rows.extend(located(measured, arguments));
+    rows
+}
+
+/// How long it takes to find where points lie, one by one and many: in rooms, and anywhere in the hull.
+fn located(measured: &Measured, arguments: &Arguments) -> Vec<Row> {
+    let scene = &measured.scene;
+    let mut numbers = Random(9);
+    let [lo, hi] = scene.hull();
+    let mut anywhere = || {
+        (0..arguments.random).map(|_| [0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * numbers.next())).collect()
+    };
+    let of_rooms = random(scene, arguments.random, false).exact.iter().map(|ray| ray.origin).collect();
+    let sets: [(&str, Vec<[f64; 3]>); 2] = [("rooms", of_rooms), ("the hull", anywhere())];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be started");
+    let mut rows = Vec::new();
+    for (what, points) in &sets {
+        let mut places = vec![Place::Outside; points.len()];
+        let mut times = [Vec::new(), Vec::new()];
+        for _ in 0..arguments.repeat.max(1) {
+            let start = Instant::now();
+            for (point, place) in points.iter().zip(&mut places) {
+                *place = scene.locate(*point);
+            }
+            times[0].push(start.elapsed().as_secs_f64());
+            let start = Instant::now();
+            pool.install(|| scene.locate_many(points, &mut places));
+            times[1].push(start.elapsed().as_secs_f64());
+        }
+        for (way, times) in ["locate", "locate_many"].iter().zip(&mut times) {
+            rows.push(Row {
+                scene: measured.name.clone(),
+                rays: "points",
+                way: format!("{way}, {what}"),
+                count: points.len(),
+                ns_per_ray: median(times) * 1e9 / points.len().max(1) as f64,
+                differing: 0,
+            });
+        }
+    }
     rows
 }
 
