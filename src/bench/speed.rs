@@ -60,7 +60,7 @@ pub struct SpeedRow {
 pub struct SpeedReport {
     /// The program's version.
     pub version: &'static str,
-    /// The processor's architecture, and whether AVX2 was found.
+    /// The processor's architecture, and the kernels that it has.
     pub machine: String,
     /// Threads.
     pub threads: usize,
@@ -155,7 +155,7 @@ fn agree(a: f64, b: f64, tolerance: f64) -> bool {
 /// One frame by one way, on all threads of the current pool.
 pub(super) fn trace(tracer: &Tracer, rays: &[Ray], hits: &mut [Hit]) {
     #[cfg(feature = "rayon")]
-    if rayon::current_num_threads() > 1 {
+    if rayon::current_num_threads() > 1 && !tracer.is_batch() {
         use rayon::prelude::*;
         const CHUNK: usize = 4096;
         rays.par_chunks(CHUNK)

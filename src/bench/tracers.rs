@@ -1,4 +1,4 @@
-//! Ways to answer single rays, side by side: enfilade's kernels, and the library that builds the hierarchy of boxes,
+//! Ways to answer rays, side by side: enfilade's kernels, its batches, and the library that builds the hierarchy of boxes,
 //! by itself, on the same triangles.
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use obvhs::ray::{Ray as SingleRay, RayHit};
 use obvhs::triangle::Triangle;
 
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, NONE, Ray, Start, Want};
+use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Want};
 
 /// A way to answer rays that start in the air.
 pub struct Tracer {
@@ -115,6 +115,11 @@ impl Tracer {
         Some(Tracer { name: name.to_owned(), way })
     }
 
+    /// Whether it has its own ways to share rays among threads.
+    pub(super) fn is_batch(&self) -> bool {
+        matches!(self.way, Way::Batch(_))
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -129,7 +134,10 @@ impl Tracer {
                 for (ray, hit) in rays.iter().zip(hits) {
                     if ray.origin != origin {
                         origin = ray.origin;
-                        start = scene.free_cell(origin).map_or(Start::Anywhere, Start::Cell);
+                        start = match scene.locate(origin) {
+                            Place::Air { cell, .. } => Start::Cell(cell),
+                            _ => Start::Anywhere,
+                        };
                     }
                     *hit = scene.trace_with(*kernel, start, ray, Want::LEAST);
                 }

@@ -18,14 +18,13 @@ use super::kernel::{Ask, Probe};
 use super::lanes::{Lanes, Wide};
 use super::locate;
 use super::packet::{self, Eight};
-use super::quick::{self, From, Quick};
+use super::quick::{self, Departure, Quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
-/// Eight f32 in a register. Private to this module and used only inside `walk_avx2`, `quick_avx2` and
-/// `packet_avx2`, so that it exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
+/// Eight f32 in a register. Private to this module and used only inside `walk_avx2`, `free_avx2`, `quick_avx2` and `packet_avx2`, so that it exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
@@ -332,7 +331,7 @@ fn free_avx2(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
+fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, start: &Departure<'_>, probe: &mut P) -> Option<Quick> {
     quick::quick::<Avx2, P>(tables, ray, start, probe)
 }
 
@@ -380,7 +379,12 @@ pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 /// # Panics
 /// If the CPU lacks AVX2 or FMA (debug builds).
 #[inline]
-pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
+pub(super) fn quick<P: Probe>(
+    tables: &Views,
+    ray: &Ray,
+    start: &Departure<'_>,
+    probe: &mut P,
+) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
     unsafe { quick_avx2(tables, ray, start, probe) }

@@ -18,13 +18,13 @@ use super::kernel::{Ask, Probe};
 use super::lanes::{Lanes, Wide};
 use super::locate;
 use super::packet::{self, Eight};
-use super::quick::{self, From, Quick};
+use super::quick::{self, Departure, Quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
 use crate::format::Views;
 use crate::format::records::LANES;
 
-/// Eight f32 in a register. Private to this module and used only inside `walk_avx512`, `quick_avx512` and `packet_avx512`, so that it
+/// Eight f32 in a register. Private to this module and used only inside `walk_avx512`, `free_avx512`, `quick_avx512` and `packet_avx512`, so that it
 /// exists only where the CPU has what [`is_available`] asks for: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx512(__m256);
@@ -282,7 +282,7 @@ fn free_avx512(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 }
 
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn quick_avx512<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
+fn quick_avx512<P: Probe>(tables: &Views, ray: &Ray, start: &Departure<'_>, probe: &mut P) -> Option<Quick> {
     quick::quick::<Avx512, P>(tables, ray, start, probe)
 }
 
@@ -330,7 +330,12 @@ pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
 /// # Panics
 /// If the CPU lacks what is asked for (debug builds).
 #[inline]
-pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, start: &From<'_>, probe: &mut P) -> Option<Quick> {
+pub(super) fn quick<P: Probe>(
+    tables: &Views,
+    ray: &Ray,
+    start: &Departure<'_>,
+    probe: &mut P,
+) -> Option<Quick> {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
     unsafe { quick_avx512(tables, ray, start, probe) }

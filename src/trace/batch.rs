@@ -33,8 +33,8 @@ pub enum Starts<'a> {
     Cell(u32),
     /// In the air: the i-th ray of the i-th cell, as [`Start::Cell`].
     Cells(&'a [u32]),
-    /// On a surface: the i-th ray of the i-th hit, as [`Start::Hit`]. Where an origin lies on a surface, to look for it costs as much as
-    /// twenty rays.
+    /// On a surface: the i-th ray of the i-th hit, as [`Start::Hit`]. With [`Starts::Anywhere`] such a ray takes as long as twenty others:
+    /// in which air a point on a surface is has to be found out.
     Hits(&'a [Hit]),
 }
 
@@ -302,6 +302,8 @@ impl Scene {
         alone: impl Fn(Start<'_>, &Ray) -> A + Sync,
     ) {
         let Batch { ask, kernel, starts, rays } = batch;
+        // Packets know nothing of surfaces.
+        debug_assert!(plan == Plan::One || !matches!(starts, Starts::Hits(_)));
         let size = match plan {
             Plan::Sorted => (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end()),
             _ => IN_ORDER,
@@ -410,8 +412,8 @@ fn is_scattered(starts: Starts<'_>, rays: &[Ray]) -> bool {
         return false;
     }
     let differs = |index: usize| match starts {
-        Starts::Anywhere | Starts::Hits(_) => rays[index].origin != rays[index + 1].origin,
-        Starts::Cell(_) => false,
+        Starts::Anywhere => rays[index].origin != rays[index + 1].origin,
+        Starts::Cell(_) | Starts::Hits(_) => false,
         Starts::Cells(cells) => cells[index] != cells[index + 1],
     };
     let step = (rays.len() - 1) / LOOKS;

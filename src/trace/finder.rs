@@ -1,24 +1,28 @@
 //! Which prisms of air may hold a point: a fine grid over their zone, made when a scene is opened.
 //!
-//! The grid in a file is coarse, and names matter too. Here most cubes lie within one prism or nearly so: it comes first, so that the first
+//! The grid in a file is coarse, and matter is listed in it, too. Here most cubes lie within one prism or nearly so: it comes first, so that the first
 //! one asked is the one in nearly all cases, which processors foresee.
 
+use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 
 use crate::format::records::{CellRecord, SceneRecord};
 
 use super::step::Step;
 
-/// Cubes a prism, on the average; in all.
+/// Cubes a prism, on the average, unless those are more than a processor's own memory holds; then fewer, but not fewer than these.
 const CUBES_PER_CELL: f64 = 64.0;
-const MOST_CUBES: f64 = (1 << 16) as f64;
+const MANY_CUBES: f64 = (1 << 16) as f64;
+const LEAST_PER_CELL: f64 = 4.0;
 
 /// Cubes along an axis.
 const MOST_ALONG: f64 = 1024.0;
 
-/// A file whose prisms lie in each other, so that they are looked at in more cubes than so many times all there are, is no partition, and
-/// gets no grid.
+/// A file whose prisms lie in each other, so that they are looked at in so many times all cubes, or reach into so many times all cubes, is
+/// no partition, and gets no grid. A prism at a corner of cubes may always reach into eight.
 const MOST_LOOKS: usize = 64;
+const MOST_REACHES: usize = 8;
+const ALWAYS: usize = 16;
 
 /// Prisms are listed where they come as near to a cube as this share of its size, for what rounding does.
 const MARGIN: f64 = 1e-6;
@@ -38,21 +42,28 @@ pub(crate) struct FreeGrid {
 }
 
 impl FreeGrid {
-    /// The cube that holds a point, or one that it is on the border of; `None` out of the zone.
+    /// Whether a point is in the zone. Written so that NaN is nowhere.
+    #[inline(always)]
+    pub(super) fn holds(&self, at: [f64; 3]) -> bool {
+        let mut is_there = true;
+        for axis in 0..3 {
+            is_there &= at[axis] >= self.lo[axis] && at[axis] <= self.hi[axis];
+        }
+        is_there
+    }
+
+    /// The cube that holds a point of the zone, or one that it is on the border of; `None` without a grid.
     #[inline(always)]
     pub(super) fn cube(&self, at: [f64; 3]) -> Option<usize> {
         /// Added to a number from 0 to 2^32 this leaves it, rounded, in the low bits.
         const ROUND: f64 = (1u64 << 52) as f64;
         let mut index = 0;
-        let mut is_there = self.dims[0] != 0;
         for axis in (0..3).rev() {
-            // Written so that NaN is nowhere.
-            is_there &= at[axis] >= self.lo[axis] && at[axis] <= self.hi[axis];
             let cube =
                 (((at[axis] - self.lo[axis]) * self.per[axis] - 0.5).max(0.0) + ROUND).to_bits() as u32;
             index = index * self.dims[axis] as usize + cube.min(self.dims[axis].wrapping_sub(1)) as usize;
         }
-        is_there.then_some(index)
+        (self.dims[0] != 0).then_some(index)
     }
 }
 
@@ -80,22 +91,24 @@ impl Finder {
             (0..).zip(cells).filter(|(_, cell)| is_free(cell)).map(|(number, _)| number).collect();
         let [lo, hi] = scene.zone;
         let size = [0, 1, 2].map(|axis| hi[axis] - lo[axis]);
-        let cubes = (free.len() as f64 * CUBES_PER_CELL).min(MOST_CUBES);
-        let edge = (size.iter().product::<f64>() / cubes).cbrt();
+        let count = free.len() as f64;
+        let dims = divide(size, (count * CUBES_PER_CELL).min(MANY_CUBES.max(count * LEAST_PER_CELL)));
         let mut grid = FreeGrid { lo, hi, ..FreeGrid::zeroed() };
-        if free.is_empty() || !(edge.is_finite() && edge > 0.0) {
-            return Finder { grid, starts: vec![0], cells: Vec::new() };
-        }
-        grid.dims = size.map(|size| (size / edge).round().clamp(1.0, MOST_ALONG) as u32);
+        let none = Finder { grid, starts: vec![0], cells: Vec::new() };
+        let Some(dims) = dims.filter(|_| !free.is_empty()) else { return none };
+        grid.dims = dims;
         grid.per = [0, 1, 2].map(|axis| f64::from(grid.dims[axis]) / size[axis]);
         let count: usize = grid.dims.iter().map(|&cubes| cubes as usize).product();
         let mut reaches = Vec::new();
-        let mut looks = MOST_LOOKS * count;
+        let mut looks = MOST_LOOKS * count + ALWAYS * free.len();
+        let most = MOST_REACHES * count + ALWAYS * free.len();
         for &cell in &free {
-            let mut tell = |cube, common| reaches.push(Reach { cube, cell, common });
+            let mut tell = |cube, common| {
+                reaches.push(Reach { cube, cell, common });
+                (reaches.len() <= most).then_some(())
+            };
             if list(&grid, &cells[cell as usize], &steps[cell as usize], &mut looks, &mut tell).is_none() {
-                grid.dims = [0; 3];
-                return Finder { grid, starts: vec![0], cells: Vec::new() };
+                return none;
             }
         }
         let mut starts = vec![0u32; count + 1];
@@ -111,13 +124,37 @@ impl Finder {
     }
 }
 
-/// Tells the cubes that a prism reaches into, and what of each it has; `None` if it has to look at more than `looks` for that.
+/// Into how many cubes a box is cut along each axis, `cubes` at most in all, about as high as wide; `None` of what is no box.
+fn divide(size: [f64; 3], cubes: f64) -> Option<[u32; 3]> {
+    let mut dims = [1u32; 3];
+    // Axes along which it is thinner than a cube are not cut.
+    let mut axes: ArrayVec<usize, 3> = (0..3).collect();
+    while !axes.is_empty() {
+        let volume: f64 = axes.iter().map(|&axis| size[axis]).product();
+        let edge = (volume / cubes).powf(1.0 / axes.len() as f64);
+        if !edge.is_finite() {
+            return None;
+        }
+        let before = axes.len();
+        axes.retain(|axis| size[*axis] > edge);
+        if axes.len() == before {
+            for &axis in &axes {
+                dims[axis] = (size[axis] / edge).floor().clamp(1.0, MOST_ALONG) as u32;
+            }
+            break;
+        }
+    }
+    Some(dims)
+}
+
+/// Tells the cubes that a prism reaches into, and what of each it has; `None` if it has to look at more than `looks` for that, or is
+/// told to stop.
 fn list(
     grid: &FreeGrid,
     cell: &CellRecord,
     step: &Step,
     looks: &mut usize,
-    tell: &mut impl FnMut(u32, f64),
+    tell: &mut impl FnMut(u32, f64) -> Option<()>,
 ) -> Option<()> {
     let [lo, hi] = cell.bounds;
     let cube = |axis: usize, c: f64| {
@@ -141,7 +178,7 @@ fn list(
             }
             let plan = common(0, x) * common(1, y);
             for z in zs.clone() {
-                tell((z * grid.dims[1] + y) * grid.dims[0] + x, plan * common(2, z));
+                tell((z * grid.dims[1] + y) * grid.dims[0] + x, plan * common(2, z))?;
             }
         }
     }
@@ -196,8 +233,41 @@ mod tests {
         }
         assert!(found > 30_000 && f64::from(first) > 0.75 * f64::from(found), "{first} of {found}");
         for out in [lo.map(|c| c - 1e-9), hi.map(|c| c + 1e-9), [f64::NAN; 3], [f64::INFINITY; 3]] {
-            assert_eq!(finder.grid.cube(out), None);
+            assert!(!finder.grid.holds(out));
         }
+        assert!(finder.grid.holds(lo) && finder.grid.holds(hi));
         assert!(finder.grid.cube(lo).is_some() && finder.grid.cube(hi).is_some());
+    }
+
+    #[test]
+    fn boxes_are_cut_into_no_more_cubes_than_asked_for() {
+        let sizes = [0.0, 1e-300, 1e-6, 0.1, 3.0, 500.0, 1e5, 1e300];
+        for (x, y, z) in (0..512).map(|i| (sizes[i % 8], sizes[i / 8 % 8], sizes[i / 64])) {
+            for cubes in [1.0, 64.0, 65536.0, 4e6] {
+                let Some(dims) = divide([x, y, z], cubes) else { continue };
+                let count: f64 = dims.iter().map(|&cubes| f64::from(cubes)).product();
+                assert!((1.0..=cubes).contains(&count), "{x} {y} {z}: {dims:?} for {cubes}");
+            }
+        }
+        assert_eq!(divide([10.0, 5.0, 0.001], 800.0), Some([40, 20, 1]));
+        assert_eq!(divide([4.0, 4.0, 4.0], 64.0), Some([4; 3]));
+        assert_eq!(divide([f64::NAN, 1.0, 1.0], 64.0), None);
+    }
+
+    #[test]
+    fn prisms_that_lie_in_each_other_get_no_grid() {
+        let zone = [[0.0; 3], [500.0, 500.0, 1e-6]];
+        let scene = SceneRecord { zone, ..SceneRecord::zeroed() };
+        let cell = CellRecord {
+            kind: CellRecord::AIR,
+            flags: CellRecord::FREE,
+            bounds: zone,
+            ..CellRecord::zeroed()
+        };
+        let of = |count: usize| Finder::new(&scene, &vec![cell; count], &vec![Step::NONE; count]);
+        let few = of(4);
+        assert!(few.starts.len() > 100 && few.cells.len() == 4 * (few.starts.len() - 1));
+        let many = of(32);
+        assert_eq!((many.starts.len(), many.cells.len()), (1, 0));
     }
 }

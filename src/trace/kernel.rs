@@ -4,7 +4,7 @@ use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
 use super::packet::{Eight, packet};
-use super::quick::{From, Quick, quick};
+use super::quick::{Departure, Quick, quick};
 use super::ray::Ray;
 use super::walk::{Found, Query, Walk, walk};
 #[cfg(target_arch = "x86_64")]
@@ -56,7 +56,7 @@ impl Kernel {
         None
     }
 
-    /// The fastest that the CPU has, as measured: eight lanes are no faster for AVX-512's masks and wider f64 (`docs/PERFORMANCE.md`).
+    /// The fastest that the CPU has, as measured: eight lanes are no faster for AVX-512's masks and wider f64 (`docs/ARCHITECTURE.md`).
     pub fn best() -> Kernel {
         Kernel::avx2().unwrap_or(Kernel::PORTABLE)
     }
@@ -96,7 +96,7 @@ impl Kernel {
 
     /// What a ray meets that is in no doubt.
     #[inline]
-    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, start: &From<'_>) -> Option<Quick> {
+    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, start: &Departure<'_>) -> Option<Quick> {
         let probe = &mut Plain { kernel: self, ask };
         match self.0 {
             Set::Portable => quick::<Portable, _>(tables, ray, start, probe),

@@ -1,4 +1,4 @@
-//! Eight f32 side by side: one trait, so that each kernel is written once and run portable or on AVX2.
+//! Eight f32 side by side: one trait, so that each kernel is written once for all instruction sets.
 
 use crate::format::records::LANES;
 

@@ -83,7 +83,7 @@ impl Scene {
 
     /// The prism of air that holds a point, where that is in no doubt.
     #[inline]
-    pub(crate) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
+    pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
         self.free_cell_near(point, NONE)
     }
 
@@ -130,14 +130,18 @@ fn local(tables: &Views, point: [f64; 3]) -> [f64; 3] {
 #[inline(always)]
 pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
     let at = local(tables, point);
+    let grid = &tables.freegrid[0];
+    // What rounding may do is known in the zone.
+    if !grid.holds(at) {
+        return None;
+    }
     let rounding = rounding(&tables.scene[0]);
-    let is_hinted = (hint as usize) < tables.steps.len() && point.iter().all(|c| c.is_finite());
-    if is_hinted && holds_free::<L>(tables, hint, at, rounding) {
+    if (hint as usize) < tables.steps.len() && holds_free::<L>(tables, hint, at, rounding) {
         return Some(hint);
     }
-    let cube = tables.freegrid[0].cube(at)?;
+    let cube = grid.cube(at)?;
     let (start, end) = (*tables.freestarts.get(cube)?, *tables.freestarts.get(cube + 1)?);
-    // No closure, which may not be compiled for the kernel's instructions.
+    // No closure: see `beyond`.
     #[allow(clippy::manual_find)]
     for &cell in &tables.freecells[start as usize..end as usize] {
         if holds_free::<L>(tables, cell, at, rounding) {
@@ -176,17 +180,24 @@ fn holds_free<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding
     let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
     let (px, py) = (L::splat(x as f32).sub(corner_x), L::splat(y as f32).sub(corner_y));
     let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
-    let beyond = |margin: f32| L::bits(size.mul(L::splat(margin)).le(inward));
-    if is_off | (beyond(BLURRED as f32 - rounding) != 0xff) {
+    let rounding = f64::from(rounding);
+    if is_off | (beyond(inward, size, BLURRED - rounding) != 0xff) {
         return false;
     }
     // Only where f32 cannot tell.
-    let is_in_doubt = beyond(BLURRED as f32 + rounding) != 0xff;
+    let is_in_doubt = beyond(inward, size, BLURRED + rounding) != 0xff;
     if is_in_doubt && !is_well_within(step, [x, y]) {
         return false;
     }
     !is_sloped
         || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], DVec3::new(x, y, z), -BLURRED)
+}
+
+/// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other
+/// along each axis. No closure, which may not be compiled for the kernel's instructions.
+#[inline(always)]
+pub(super) fn beyond<L: Lanes>(inward: L, size: L, margin: f64) -> u32 {
+    L::bits(size.mul(L::splat(margin as f32)).le(inward))
 }
 
 /// Whether a point is in the footprint of a step, farther from its border than cells differ from the model.

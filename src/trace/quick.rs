@@ -4,7 +4,7 @@
 //! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
 //! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
 //! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
-//! `cells`, from its start. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
+//! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
 //! that plain faces are plain is the file's word.
 
 // Comparisons are written so that NaN is in doubt.
@@ -15,6 +15,7 @@ use glam::DVec3;
 use super::NONE;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
+use super::locate::{beyond, rounding};
 use super::path::{BLURRED, NEAR};
 use super::ray::Ray;
 use super::step::Step;
@@ -55,7 +56,7 @@ pub(super) struct Quick {
 pub(super) fn quick<L: Lanes, P: Probe>(
     tables: &Views,
     ray: &Ray,
-    start: &From<'_>,
+    start: &Departure<'_>,
     probe: &mut P,
 ) -> Option<Quick> {
     let way = Way { scattered: start.scattered, surface: start.surface, ..Way::new(tables, ray)? };
@@ -68,12 +69,12 @@ pub(super) fn quick<L: Lanes, P: Probe>(
 
 /// From where a ray starts, as far as it is known.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct From<'a> {
+pub(super) struct Departure<'a> {
     /// The cell.
     pub(super) cell: u32,
     /// What it starts on, if on anything.
     pub(super) surface: Option<&'a Surface>,
-    /// Whether the ray before it went elsewhere.
+    /// Whether the ray before it went elsewhere: for how the answer is looked for, not for what it is.
     pub(super) scattered: bool,
 }
 
@@ -85,7 +86,7 @@ pub(super) struct Way<'a> {
     origin: DVec3,
     direction: DVec3,
     pub(super) limit: f64,
-    /// As `From` has them.
+    /// As `Departure` has them.
     surface: Option<&'a Surface>,
     scattered: bool,
     /// Along the lattice's axes, from its origin.
@@ -183,7 +184,8 @@ impl<'a> Way<'a> {
             return None;
         }
         let quick = self.onward::<L>(hint, exit, probe)?;
-        (quick.found.triangle == NONE || quick.found.t >= FROM_SURFACE).then_some(quick)
+        let is_clear = quick.found.t >= FROM_SURFACE && quick.found.triangle != self.surface?.triangle;
+        (quick.found.triangle == NONE || is_clear).then_some(quick)
     }
 
     /// Whether the ray starts in a simple prism, or beside one face of it: where it starts beside more, what stands behind one of them
@@ -200,13 +202,14 @@ impl<'a> Way<'a> {
         // Rounded alike on all kernels.
         let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
         let edges = (1u32 << step.corners) - 1;
-        let beyond = |margin: f64| L::bits(size.mul(L::splat(margin as f32)).le(inward)) & edges;
-        let mut beside = (edges & !beyond(2.0 * BLURRED)).count_ones();
-        let mut is_in = beyond(-BLURRED) == edges;
+        let rounding = f64::from(rounding(&self.tables.scene[0]));
+        let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
+        let mut is_in = beyond(inward, size, rounding - BLURRED) & edges == edges;
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
-            let within = self.over(plane).0 * up;
-            beside += u32::from(!(within >= 2.0 * BLURRED));
-            is_in &= within >= -BLURRED;
+            let [p, q] = self.tables.planes[plane as usize].slope;
+            let (within, tilt) = (self.over(plane).0 * up, 1.0 + p.abs() + q.abs());
+            beside += u32::from(!(within >= 2.0 * BLURRED * tilt));
+            is_in &= within >= -BLURRED * tilt;
         }
         Some(is_in && beside <= 1)
     }
@@ -342,7 +345,7 @@ impl<'a> Way<'a> {
         None
     }
 
-    /// The same without a choice that could be foreseen wrongly.
+    /// The same, of corners that are numbers, without a choice that could be foreseen wrongly.
     #[inline(always)]
     fn edge_of_all<L: Lanes>(&self, x: L, y: L) -> Option<(usize, [f64; 2])> {
         let [along_x, along_y] = [L::Wide::splat(self.along.x), L::Wide::splat(self.along.y)];
@@ -684,8 +687,8 @@ mod tests {
         compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
     }
 
-    fn from<'a>(cell: u32, surface: Option<&'a Surface>) -> From<'a> {
-        From { cell, surface, scattered: false }
+    fn from<'a>(cell: u32, surface: Option<&'a Surface>) -> Departure<'a> {
+        Departure { cell, surface, scattered: false }
     }
 
     /// Rays from the air of the zone, half of them through places in rooms, the cells in which they start.
@@ -725,7 +728,7 @@ mod tests {
                 Ask::First,
                 &scene.tables,
                 ray,
-                &From { scattered: true, ..from(*cell, None) },
+                &Departure { scattered: true, ..from(*cell, None) },
             );
             assert_eq!(parts(&scattered), parts(&found[0]), "{name}: {ray:?}");
             let any = scene.kernel.quick(Ask::Any, &scene.tables, ray, &from(*cell, None));

@@ -8,7 +8,7 @@ use super::cost::Cost;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
-use super::quick::{From, Quick, quick};
+use super::quick::{Departure, Quick, quick};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -118,7 +118,7 @@ impl Scene {
                 Ask::First,
                 &self.tables,
                 ray,
-                &From { cell, surface: on(start, ray).as_ref(), scattered },
+                &Departure { cell, surface: on(start, ray).as_ref(), scattered },
             )
         {
             return self.describe_quick(ray, &quick, want);
@@ -163,7 +163,7 @@ impl Scene {
                 Ask::First,
                 &self.tables,
                 ray,
-                &From { cell: place, surface: on(start, ray).as_ref(), scattered },
+                &Departure { cell: place, surface: on(start, ray).as_ref(), scattered },
             )
         {
             if found.triangle == NONE {
@@ -234,7 +234,7 @@ impl Scene {
             && let Some(found) = quick::<Portable, _>(
                 &self.tables,
                 ray,
-                &From { cell, surface: on(start, ray).as_ref(), scattered: false },
+                &Departure { cell, surface: on(start, ray).as_ref(), scattered: false },
                 &mut cost,
             )
         {
@@ -294,14 +294,17 @@ impl Scene {
         self.occluded_from(Start::Anywhere, ray)
     }
 
-    /// The same, from a start that the caller knows: from a hit to a lamp.
+    /// The same, from a start that the caller knows, as [`Scene::trace_from`] has it: from a hit to a lamp. There a ray that starts in a
+    /// solid is not in its way.
     ///
     /// ```no_run
     /// # use enfilade::{Hit, Ray, Scene, Start};
     /// # fn lit(scene: &Scene, hit: &Hit, lamp: [f64; 3]) -> bool {
     /// let to_lamp = [0, 1, 2].map(|axis| lamp[axis] - hit.point[axis]);
-    /// let length = to_lamp.iter().map(|c| c * c).sum::<f64>().sqrt();
-    /// !scene.occluded_from(Start::Hit(hit), &Ray::segment(hit.point, to_lamp, 0.0, length))
+    /// let faces = to_lamp.iter().zip(&hit.normal).map(|(a, b)| a * b).sum::<f64>() > 0.0;
+    /// // Not what the lamp hangs on.
+    /// let length = to_lamp.iter().map(|c| c * c).sum::<f64>().sqrt() - 0.01;
+    /// faces && length > 0.0 && !scene.occluded_from(Start::Hit(hit), &Ray::segment(hit.point, to_lamp, 0.0, length))
     /// # }
     /// ```
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
@@ -317,7 +320,7 @@ impl Scene {
                 Ask::Any,
                 &self.tables,
                 ray,
-                &From { cell, surface: on(start, ray).as_ref(), scattered },
+                &Departure { cell, surface: on(start, ray).as_ref(), scattered },
             )
         {
             return quick.found.triangle != NONE;
