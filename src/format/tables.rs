@@ -16,7 +16,7 @@ use super::records::{
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
-use crate::trace::{Finder, FreeGrid, NONE, Part, Plate, Prisms, Step, plate_of, step_of};
+use crate::trace::{AirGrid, Finder, NONE, Part, Plate, Prisms, Step, plate_of, step_of};
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
@@ -86,7 +86,7 @@ sections! {
     /// The tables of an opened scene, in place.
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived parts: Part,
-    derived freegrid: FreeGrid, derived freestarts: u32, derived freecells: u32;
+    derived airgrid: AirGrid, derived airstarts: u32, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -274,8 +274,8 @@ impl Views {
         let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
         let finder = Finder::new(&self.scene[0], &self.cells, &steps);
         (self.steps, self.parts, self.plates) = (View::own(steps), View::own(parts), View::own(plates));
-        self.freegrid = View::own(vec![finder.grid]);
-        (self.freestarts, self.freecells) = (View::own(finder.starts), View::own(finder.cells));
+        self.airgrid = View::own(vec![finder.grid]);
+        (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
     }
 }
 

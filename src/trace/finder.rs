@@ -30,7 +30,7 @@ const MARGIN: f64 = 1e-6;
 /// Cubes over the zone of the prisms, along the lattice's axes, from its origin, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct FreeGrid {
+pub(crate) struct AirGrid {
     lo: [f64; 3],
     hi: [f64; 3],
     /// Cubes in a metre.
@@ -41,7 +41,7 @@ pub(crate) struct FreeGrid {
     reserved: u32,
 }
 
-impl FreeGrid {
+impl AirGrid {
     /// Whether a point is in the zone. Written so that NaN is nowhere.
     #[inline(always)]
     pub(super) fn holds(&self, at: [f64; 3]) -> bool {
@@ -67,9 +67,9 @@ impl FreeGrid {
     }
 }
 
-/// The prisms of air without a closed solid in them, by the cubes that they reach into: those first that have the most of a cube.
+/// The prisms of air by the cubes that they reach into: those first that have the most of a cube.
 pub(crate) struct Finder {
-    pub(crate) grid: FreeGrid,
+    pub(crate) grid: AirGrid,
     /// For each cube (x fastest) the first of its prisms, and the end of the last.
     pub(crate) starts: Vec<u32>,
     pub(crate) cells: Vec<u32>,
@@ -86,23 +86,23 @@ struct Reach {
 impl Finder {
     /// For the cells of a scene, whose zone is a box.
     pub(crate) fn new(scene: &SceneRecord, cells: &[CellRecord], steps: &[Step]) -> Finder {
-        let is_free = |cell: &CellRecord| cell.kind == CellRecord::AIR && cell.flags == CellRecord::FREE;
-        let free: Vec<u32> =
-            (0..).zip(cells).filter(|(_, cell)| is_free(cell)).map(|(number, _)| number).collect();
+        let is_air = |cell: &CellRecord| cell.kind == CellRecord::AIR;
+        let air: Vec<u32> =
+            (0..).zip(cells).filter(|(_, cell)| is_air(cell)).map(|(number, _)| number).collect();
         let [lo, hi] = scene.zone;
         let size = [0, 1, 2].map(|axis| hi[axis] - lo[axis]);
-        let count = free.len() as f64;
+        let count = air.len() as f64;
         let dims = divide(size, (count * CUBES_PER_CELL).min(MANY_CUBES.max(count * LEAST_PER_CELL)));
-        let mut grid = FreeGrid { lo, hi, ..FreeGrid::zeroed() };
+        let mut grid = AirGrid { lo, hi, ..AirGrid::zeroed() };
         let none = Finder { grid, starts: vec![0], cells: Vec::new() };
-        let Some(dims) = dims.filter(|_| !free.is_empty()) else { return none };
+        let Some(dims) = dims.filter(|_| !air.is_empty()) else { return none };
         grid.dims = dims;
         grid.per = [0, 1, 2].map(|axis| f64::from(grid.dims[axis]) / size[axis]);
         let count: usize = grid.dims.iter().map(|&cubes| cubes as usize).product();
         let mut reaches = Vec::new();
-        let mut looks = MOST_LOOKS * count + ALWAYS * free.len();
-        let most = MOST_REACHES * count + ALWAYS * free.len();
-        for &cell in &free {
+        let mut looks = MOST_LOOKS * count + ALWAYS * air.len();
+        let most = MOST_REACHES * count + ALWAYS * air.len();
+        for &cell in &air {
             let mut tell = |cube, common| {
                 reaches.push(Reach { cube, cell, common });
                 (reaches.len() <= most).then_some(())
@@ -150,7 +150,7 @@ fn divide(size: [f64; 3], cubes: f64) -> Option<[u32; 3]> {
 /// Tells the cubes that a prism reaches into, and what of each it has; `None` if it has to look at more than `looks` for that, or is
 /// told to stop.
 fn list(
-    grid: &FreeGrid,
+    grid: &AirGrid,
     cell: &CellRecord,
     step: &Step,
     looks: &mut usize,
@@ -186,7 +186,7 @@ fn list(
 }
 
 /// Whether a footprint reaches into the cubes of a place in the plan: never wrongly no.
-fn reaches(grid: &FreeGrid, step: &Step, cube: [u32; 2]) -> bool {
+fn reaches(grid: &AirGrid, step: &Step, cube: [u32; 2]) -> bool {
     let half = [0, 1].map(|axis| (0.5 + MARGIN) / grid.per[axis]);
     let middle = [0, 1].map(|axis| grid.lo[axis] + (f64::from(cube[axis]) + 0.5) / grid.per[axis]);
     let corners = usize::from(step.corners);
@@ -222,8 +222,8 @@ mod tests {
             let listed = &finder.cells[finder.starts[cube] as usize..finder.starts[cube + 1] as usize];
             let holds = (0..tables.cells.len() as u32).filter(|&cell| {
                 let record = &tables.cells[cell as usize];
-                let is_free = record.kind == CellRecord::AIR && record.flags == CellRecord::FREE;
-                is_free && super::super::Prisms::new(tables).nearly_holds(record, at.into(), -1e-3)
+                record.kind == CellRecord::AIR
+                    && super::super::Prisms::new(tables).nearly_holds(record, at.into(), -1e-3)
             });
             for cell in holds {
                 assert!(listed.contains(&cell), "{at:?} in {cell}, not among {listed:?}");

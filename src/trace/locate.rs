@@ -87,10 +87,10 @@ impl Scene {
         self.free_cell_near(point, NONE)
     }
 
-    /// The cube of the grid over free cells that holds a point, if it is in their zone.
+    /// The cube of the grid over cells of air that holds a point, if it is in their zone.
     #[inline]
     pub(super) fn cube(&self, point: [f64; 3]) -> Option<usize> {
-        self.tables.freegrid[0].cube(local(&self.tables, point))
+        self.tables.airgrid[0].cube(local(&self.tables, point))
     }
 
     /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
@@ -111,11 +111,16 @@ impl Scene {
 
     /// Whether any solid may hold `point`, or another within `margin` of it along each axis: quick, and never wrongly no.
     pub(crate) fn may_be_in_solid(&self, point: [f64; 3], margin: f64) -> bool {
-        located(&self.tables, point).iter().any(|item| {
-            let volume = &self.tables.volumes[(item & !WHOLE_BIT) as usize];
-            volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
-        })
+        may_be_in_solid(&self.tables, point, margin)
     }
+}
+
+/// As [`Scene::may_be_in_solid`].
+fn may_be_in_solid(tables: &Views, point: [f64; 3], margin: f64) -> bool {
+    located(tables, point).iter().any(|item| {
+        let volume = &tables.volumes[(item & !WHOLE_BIT) as usize];
+        volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
+    })
 }
 
 /// A point of the internal frame along the lattice's axes from its origin.
@@ -130,25 +135,29 @@ fn local(tables: &Views, point: [f64; 3]) -> [f64; 3] {
 #[inline(always)]
 pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
     let at = local(tables, point);
-    let grid = &tables.freegrid[0];
+    let grid = &tables.airgrid[0];
     // What rounding may do is known in the zone.
     if !grid.holds(at) {
         return None;
     }
     let rounding = rounding(&tables.scene[0]);
-    if (hint as usize) < tables.steps.len() && holds_free::<L>(tables, hint, at, rounding) {
-        return Some(hint);
-    }
-    let cube = grid.cube(at)?;
-    let (start, end) = (*tables.freestarts.get(cube)?, *tables.freestarts.get(cube + 1)?);
-    // No closure: see `beyond`.
-    #[allow(clippy::manual_find)]
-    for &cell in &tables.freecells[start as usize..end as usize] {
-        if holds_free::<L>(tables, cell, at, rounding) {
-            return Some(cell);
+    let mut found = hint;
+    if hint as usize >= tables.steps.len() || !holds::<L>(tables, hint, at, rounding) {
+        found = NONE;
+        let cube = grid.cube(at)?;
+        let (start, end) = (*tables.airstarts.get(cube)?, *tables.airstarts.get(cube + 1)?);
+        for &cell in &tables.aircells[start as usize..end as usize] {
+            if holds::<L>(tables, cell, at, rounding) {
+                found = cell;
+                break;
+            }
         }
     }
-    None
+    // None: no such cell.
+    let step = tables.steps.get(found as usize)?;
+    let flags = if step.is_some() { step.flags } else { tables.cells[found as usize].flags };
+    let margin = tables.scene[0].tolerance;
+    (flags == CellRecord::FREE || !may_be_in_solid(tables, point, margin)).then_some(found)
 }
 
 /// More than rounding to f32 moves a point of the zone against a line, metres: sixteen roundings.
@@ -162,15 +171,15 @@ pub(super) fn rounding(scene: &SceneRecord) -> f32 {
     (reach * (-20f64).exp2()) as f32
 }
 
-/// Whether a prism of air holds a point (from the lattice's origin) as `free` has it.
+/// Whether a cell is a prism of air that holds a point (from the lattice's origin), farther from its border than cells differ from the
+/// model.
 #[inline(always)]
-fn holds_free<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32) -> bool {
+fn holds<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32) -> bool {
     let step = &tables.steps[cell as usize];
     let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
-    if step.flags != CellRecord::FREE || !step.is_some() {
+    if !step.is_some() {
         let record = &tables.cells[cell as usize];
-        return !step.is_some()
-            && record.flags == CellRecord::FREE
+        return record.kind == CellRecord::AIR
             && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
     }
     // Not `||`: this and what follows are decided on at once. NaN is not above or below.
@@ -229,7 +238,7 @@ fn best(scene: &Scene, point: [f64; 3], wanted: impl Fn(&VolumeRecord) -> bool) 
         if !wanted(volume) || found.is_some_and(|f| f.measure <= volume.measure) {
             continue;
         }
-        if item & WHOLE_BIT != 0 || holds(scene, index, point) {
+        if item & WHOLE_BIT != 0 || encloses(scene, index, point) {
             found = Some(volume);
         }
     }
@@ -259,7 +268,7 @@ fn in_box(volume: &VolumeRecord, point: [f64; 3], margin: f64) -> bool {
 }
 
 /// Whether the closed volume of this index holds `point`.
-fn holds(scene: &Scene, index: usize, point: [f64; 3]) -> bool {
+fn encloses(scene: &Scene, index: usize, point: [f64; 3]) -> bool {
     let volume = &scene.tables.volumes[index];
     if !in_box(volume, point, 0.0) {
         return false;

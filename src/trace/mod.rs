@@ -28,7 +28,7 @@ mod walk;
 pub use batch::Starts;
 pub(crate) use columns::Columns;
 pub use cost::Cost;
-pub(crate) use finder::{Finder, FreeGrid};
+pub(crate) use finder::{AirGrid, Finder};
 pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]
