@@ -14,17 +14,12 @@ use std::arch::x86_64::{
     _mm256_unpacklo_ps, _mm256_xor_ps,
 };
 
-use super::kernel::{Ask, Probe};
+use super::entries::entries;
 use super::lanes::{Lanes, Wide};
-use super::locate;
-use super::packet::{self, Eight};
-use super::quick::{self, Departure, Quick};
-use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
-use crate::format::Views;
 use crate::format::records::LANES;
 
-/// Eight f32 in a register. Private to this module and used only inside `walk_avx2`, `free_avx2`, `quick_avx2` and `packet_avx2`, so that it exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
+/// Eight f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, so that
+/// it exists only where the CPU has AVX2 and FMA: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
@@ -320,83 +315,4 @@ pub(super) fn is_available() -> bool {
     std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
 }
 
-#[target_feature(enable = "avx2,fma")]
-fn walk_avx2(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
-    walk::<Avx2>(ask, tables, query, &mut ())
-}
-
-#[target_feature(enable = "avx2,fma")]
-fn free_avx2(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-    locate::free::<Avx2>(tables, point, hint)
-}
-
-#[target_feature(enable = "avx2,fma")]
-fn quick_avx2<P: Probe>(tables: &Views, ray: &Ray, start: &Departure<'_>, probe: &mut P) -> Option<Quick> {
-    quick::quick::<Avx2, P>(tables, ray, start, probe)
-}
-
-#[target_feature(enable = "avx2,fma")]
-fn packet_avx2<P: Probe>(
-    tables: &Views,
-    rays: &[&Ray; LANES],
-    count: usize,
-    eight: &mut Eight,
-    probe: &mut P,
-) {
-    packet::packet::<Avx2, P>(tables, rays, count, eight, probe)
-}
-
-/// What rays meet that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks AVX2 or FMA (debug builds).
-#[inline]
-pub(super) fn packet<P: Probe>(
-    tables: &Views,
-    rays: &[&Ray; LANES],
-    count: usize,
-    eight: &mut Eight,
-    probe: &mut P,
-) {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { packet_avx2(tables, rays, count, eight, probe) }
-}
-
-/// The prism of air that holds a point, where that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks AVX2 or FMA (debug builds).
-#[inline]
-pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { free_avx2(tables, point, hint) }
-}
-
-/// What a ray meets that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks AVX2 or FMA (debug builds).
-#[inline]
-pub(super) fn quick<P: Probe>(
-    tables: &Views,
-    ray: &Ray,
-    start: &Departure<'_>,
-    probe: &mut P,
-) -> Option<Quick> {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { quick_avx2(tables, ray, start, probe) }
-}
-
-/// The nearest hit, or some hit.
-///
-/// # Panics
-/// If the CPU lacks AVX2 or FMA (debug builds).
-#[inline]
-pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
-    debug_assert!(is_available());
-    // SAFETY: a kernel of this set is made by `Kernel::avx2` only, after `is_available` said yes.
-    unsafe { walk_avx2(ask, tables, query) }
-}
+entries!(Avx2, "avx2,fma");

@@ -14,17 +14,11 @@ use std::arch::x86_64::{
 };
 
 use super::avx2;
-use super::kernel::{Ask, Probe};
+use super::entries::entries;
 use super::lanes::{Lanes, Wide};
-use super::locate;
-use super::packet::{self, Eight};
-use super::quick::{self, Departure, Quick};
-use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
-use crate::format::Views;
 use crate::format::records::LANES;
 
-/// Eight f32 in a register. Private to this module and used only inside `walk_avx512`, `free_avx512`, `quick_avx512` and `packet_avx512`, so that it
+/// Eight f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, so that it
 /// exists only where the CPU has what [`is_available`] asks for: that is the SAFETY of every intrinsic here.
 #[derive(Clone, Copy)]
 struct Avx512(__m256);
@@ -271,83 +265,4 @@ pub(super) fn is_available() -> bool {
         && avx2::is_available()
 }
 
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn walk_avx512(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
-    walk::<Avx512>(ask, tables, query, &mut ())
-}
-
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn free_avx512(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-    locate::free::<Avx512>(tables, point, hint)
-}
-
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn quick_avx512<P: Probe>(tables: &Views, ray: &Ray, start: &Departure<'_>, probe: &mut P) -> Option<Quick> {
-    quick::quick::<Avx512, P>(tables, ray, start, probe)
-}
-
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn packet_avx512<P: Probe>(
-    tables: &Views,
-    rays: &[&Ray; LANES],
-    count: usize,
-    eight: &mut Eight,
-    probe: &mut P,
-) {
-    packet::packet::<Avx512, P>(tables, rays, count, eight, probe)
-}
-
-/// What rays meet that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks what is asked for (debug builds).
-#[inline]
-pub(super) fn packet<P: Probe>(
-    tables: &Views,
-    rays: &[&Ray; LANES],
-    count: usize,
-    eight: &mut Eight,
-    probe: &mut P,
-) {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { packet_avx512(tables, rays, count, eight, probe) }
-}
-
-/// The prism of air that holds a point, where that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks what is asked for (debug builds).
-#[inline]
-pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { free_avx512(tables, point, hint) }
-}
-
-/// What a ray meets that is in no doubt.
-///
-/// # Panics
-/// If the CPU lacks what is asked for (debug builds).
-#[inline]
-pub(super) fn quick<P: Probe>(
-    tables: &Views,
-    ray: &Ray,
-    start: &Departure<'_>,
-    probe: &mut P,
-) -> Option<Quick> {
-    debug_assert!(is_available());
-    // SAFETY: as in `run`.
-    unsafe { quick_avx512(tables, ray, start, probe) }
-}
-
-/// The nearest hit, or some hit.
-///
-/// # Panics
-/// If the CPU lacks what is asked for (debug builds).
-#[inline]
-pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
-    debug_assert!(is_available());
-    // SAFETY: a kernel of this set is made by `Kernel::avx512` only, after `is_available` said yes.
-    unsafe { walk_avx512(ask, tables, query) }
-}
+entries!(Avx512, "avx2,fma,avx512f,avx512vl,avx512dq");

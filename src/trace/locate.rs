@@ -359,3 +359,47 @@ mod tests {
         }
     }
 }
+
+#[cfg(all(test, feature = "compile"))]
+mod scene_tests {
+    use super::*;
+    use crate::generate::{HouseOptions, OfficeOptions, Style, build2, house};
+    use crate::splitmix::SplitMix64;
+    use crate::{CompileOptions, Kernel, compile};
+
+    /// Cells found quickly are those that hold the point, and no solid does; in rooms with furniture, too, and on all kernels.
+    #[test]
+    fn what_is_found_quickly_holds_the_point_and_no_solid_does() {
+        for building in [house(&HouseOptions::default()), build2(&OfficeOptions::default())] {
+            let model = building.export(&Style::exact()).to_model().unwrap();
+            let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+            let tables = &scene.tables;
+            let prisms = Prisms::new(tables);
+            let mut random = SplitMix64::new(4);
+            let [lo, hi] = scene.hull();
+            let (mut quick, mut beside_solids, mut in_solids) = (0, 0, 0);
+            for _ in 0..40_000 {
+                let point = [0, 1, 2].map(|axis| random.between(lo[axis], hi[axis]));
+                let found = scene.free_cell(point);
+                let solid = smallest(&scene, point, Role::Solid);
+                for kernel in Kernel::available() {
+                    assert_eq!(kernel.free(tables, point, NONE), found, "{point:?}");
+                    assert_eq!(kernel.free(tables, point, random.below(99) as u32), found, "{point:?}");
+                }
+                in_solids += u32::from(solid.is_some());
+                let Some(cell) = found else { continue };
+                assert!(solid.is_none(), "{point:?}");
+                let record = &tables.cells[cell as usize];
+                assert_eq!(record.kind, CellRecord::AIR);
+                assert!(prisms.nearly_holds(record, prisms.local(point.into()), -BLURRED), "{point:?}");
+                assert_eq!(scene.locate(point), scene.place_in(cell));
+                quick += 1;
+                beside_solids += u32::from(record.flags != CellRecord::FREE);
+            }
+            assert!(
+                quick > 20_000 && beside_solids > 100 && in_solids > 100,
+                "{quick} {beside_solids} {in_solids}"
+            );
+        }
+    }
+}
