@@ -132,7 +132,8 @@ fn divide(size: [f64; 3], cubes: f64) -> Option<[u32; 3]> {
     while !axes.is_empty() {
         let volume: f64 = axes.iter().map(|&axis| size[axis]).product();
         let edge = (volume / cubes).powf(1.0 / axes.len() as f64);
-        if !edge.is_finite() {
+        // Also where so small a box has no volume that a number tells.
+        if !(edge.is_finite() && edge > 0.0) {
             return None;
         }
         let before = axes.len();

@@ -363,28 +363,34 @@ mod tests {
 #[cfg(all(test, feature = "compile"))]
 mod scene_tests {
     use super::*;
-    use crate::generate::{HouseOptions, OfficeOptions, Style, build2, house};
+    use crate::generate::{HouseOptions, OfficeOptions, Style, build2, house, random};
     use crate::splitmix::SplitMix64;
     use crate::{CompileOptions, Kernel, compile};
 
-    /// Cells found quickly are those that hold the point, and no solid does; in rooms with furniture, too, and on all kernels.
+    /// Cells found quickly are those that hold the point, and no solid does; where solids lie in each other, too, and on all kernels.
     #[test]
     fn what_is_found_quickly_holds_the_point_and_no_solid_does() {
-        for building in [house(&HouseOptions::default()), build2(&OfficeOptions::default())] {
-            let model = building.export(&Style::exact()).to_model().unwrap();
+        let office = OfficeOptions::default();
+        let scenes = [
+            (house(&HouseOptions::default()), Style::exact()),
+            (build2(&office), Style::exact()),
+            (random(&office), Style::cad(3)),
+        ];
+        for (building, style) in scenes {
+            let model = building.export(&style).to_model().unwrap();
             let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
             let tables = &scene.tables;
             let prisms = Prisms::new(tables);
-            let mut random = SplitMix64::new(4);
+            let mut numbers = SplitMix64::new(4);
             let [lo, hi] = scene.hull();
-            let (mut quick, mut beside_solids, mut in_solids) = (0, 0, 0);
+            let (mut quick, mut in_solids) = (0, 0);
             for _ in 0..40_000 {
-                let point = [0, 1, 2].map(|axis| random.between(lo[axis], hi[axis]));
+                let point = [0, 1, 2].map(|axis| numbers.between(lo[axis], hi[axis]));
                 let found = scene.free_cell(point);
                 let solid = smallest(&scene, point, Role::Solid);
                 for kernel in Kernel::available() {
                     assert_eq!(kernel.free(tables, point, NONE), found, "{point:?}");
-                    assert_eq!(kernel.free(tables, point, random.below(99) as u32), found, "{point:?}");
+                    assert_eq!(kernel.free(tables, point, numbers.below(99) as u32), found, "{point:?}");
                 }
                 in_solids += u32::from(solid.is_some());
                 let Some(cell) = found else { continue };
@@ -394,12 +400,8 @@ mod scene_tests {
                 assert!(prisms.nearly_holds(record, prisms.local(point.into()), -BLURRED), "{point:?}");
                 assert_eq!(scene.locate(point), scene.place_in(cell));
                 quick += 1;
-                beside_solids += u32::from(record.flags != CellRecord::FREE);
             }
-            assert!(
-                quick > 20_000 && beside_solids > 100 && in_solids > 100,
-                "{quick} {beside_solids} {in_solids}"
-            );
+            assert!(quick > 10_000 && in_solids > 100, "{quick} {in_solids}");
         }
     }
 }
