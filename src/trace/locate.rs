@@ -185,10 +185,7 @@ fn holds<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32
     // Not `||`: this and what follows are decided on at once. NaN is not above or below.
     let is_off = (z < floor + BLURRED) | (z > ceiling - BLURRED);
     let is_sloped = floor.is_nan() || ceiling.is_nan();
-    let (corner_x, corner_y) = (L::load(&step.x), L::load(&step.y));
-    let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
-    let (px, py) = (L::splat(x as f32).sub(corner_x), L::splat(y as f32).sub(corner_y));
-    let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
+    let (inward, size) = step.inward::<L>([x, y]);
     let rounding = f64::from(rounding);
     if is_off | (beyond(inward, size, BLURRED - rounding) != 0xff) {
         return false;

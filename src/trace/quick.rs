@@ -196,11 +196,7 @@ impl<'a> Way<'a> {
         if !step.is_some() {
             return None;
         }
-        let (x, y) = (L::load(&step.x), L::load(&step.y));
-        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
-        let (px, py) = (L::splat(self.from.x as f32).sub(x), L::splat(self.from.y as f32).sub(y));
-        // Rounded alike on all kernels.
-        let (inward, size) = (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()));
+        let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
         let edges = (1u32 << step.corners) - 1;
         let rounding = f64::from(rounding(&self.tables.scene[0]));
         let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
@@ -436,12 +432,8 @@ impl<'a> Way<'a> {
         // Well within the border there: also of sides that it runs along and never comes to.
         /// Somewhat more, for what f32 adds.
         const MARGIN: f32 = 1.25 * BLURRED as f32;
-        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
-        let (px, py) = (L::splat(at[0] as f32).sub(x), L::splat(at[1] as f32).sub(y));
-        // Rounded alike on all kernels.
-        let inward = ex.mul(py).sub(ey.mul(px));
-        let least = ex.abs().add(ey.abs()).mul(L::splat(MARGIN));
-        if L::bits(least.le(inward)) != 0xff {
+        let (inward, size) = step.inward::<L>(at);
+        if L::bits(size.mul(L::splat(MARGIN)).le(inward)) != 0xff {
             return None;
         }
         match step.vertical[vertical] {

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::NONE;
+use super::lanes::Lanes;
 use super::path::Prisms;
 use crate::format::records::{CellRecord, LANES, PLAIN, SideRecord};
 
@@ -58,6 +59,16 @@ impl Step {
     pub(crate) const AROUND: u32 = u32::MAX - 2;
     /// The link of what is left to other kernels: matter that is not plain.
     pub(crate) const OTHER: u32 = u32::MAX;
+
+    /// How far a point is within each edge, times the edge's size, and those sizes, from one end to the other along each axis; of lanes
+    /// without an edge zeros. Rounded alike on all kernels.
+    #[inline(always)]
+    pub(super) fn inward<L: Lanes>(&self, [x, y]: [f64; 2]) -> (L, L) {
+        let (corner_x, corner_y) = (L::load(&self.x), L::load(&self.y));
+        let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
+        let (px, py) = (L::splat(x as f32).sub(corner_x), L::splat(y as f32).sub(corner_y));
+        (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()))
+    }
 
     /// Whether the cell is simple.
     #[inline(always)]
