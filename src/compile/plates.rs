@@ -22,9 +22,11 @@ const SEAM: f64 = 1e-5;
 /// What is left of a face may have this area, square metres: not a place, but what rounding leaves.
 const LEAST: f64 = 1e-9;
 
-/// A face with more triangles, or that falls into more pieces while they are taken away, is not looked at.
-const MOST_TRIANGLES: usize = 256;
-const MOST_PIECES: usize = 64;
+/// A face with more triangles is not looked at: slabs under corridors have thousands.
+const MOST_TRIANGLES: usize = 1 << 14;
+
+/// Triangles are taken away from pieces of a face at most so often; what falls into more is not told to be plain.
+const MOST_LOOKS: usize = 1 << 18;
 
 /// What was found out about a part of a cell's surface.
 struct Found {
@@ -130,7 +132,11 @@ fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Opti
     let mut kept: Vec<(u32, Vec<DVec2>)> = Vec::new();
     let mut largest = (0.0, source.plane);
     for &triangle in triangles {
-        let corners = turned(corners(tables, triangle).map(flat).to_vec());
+        let corners = corners(tables, triangle).map(flat);
+        if is_apart(&reached, &corners) {
+            continue;
+        }
+        let corners = turned(corners.to_vec());
         let shared = area(&clipped(reached.clone(), &corners));
         if shared > LEAST {
             kept.push((triangle, corners));
@@ -153,7 +159,12 @@ fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Opti
 fn cover<'a>(polygon: Vec<DVec2>, triangles: impl Iterator<Item = &'a Vec<DVec2>>) -> bool {
     let mut pieces = vec![polygon];
     pieces.retain(|piece| area(piece) > LEAST);
+    let mut looks = 0;
     for corners in triangles {
+        looks += pieces.len();
+        if looks > MOST_LOOKS {
+            return false;
+        }
         let sides: Vec<(DVec2, DVec2)> =
             edges(corners).filter_map(|[p, q]| Some(((q - p).perp().try_normalize()?, p))).collect();
         if sides.len() < 3 {
@@ -174,9 +185,6 @@ fn cover<'a>(polygon: Vec<DVec2>, triangles: impl Iterator<Item = &'a Vec<DVec2>
             }
         }
         pieces = left;
-        if pieces.len() > MOST_PIECES {
-            return false;
-        }
     }
     pieces.is_empty()
 }
@@ -238,6 +246,24 @@ mod tests {
         assert!(!is_square_plain(&[[a, b, [0.99, 1.0]], [a, [0.99, 1.0], d]], 1.0));
         assert!(!is_square_plain(&[[a, b, c], [[0.0, 0.001], [0.999, 1.0], d]], 1.0));
         assert!(!is_square_plain(&[[a, b, c], [a, c, d]], 1.001));
+    }
+
+    #[test]
+    fn a_face_of_many_triangles_is_plain_too() {
+        // Two fans of slivers over the square, in no order.
+        let mut triangles = Vec::new();
+        for i in 0..600 {
+            let [from, to] = [f64::from(i), f64::from(i + 1)].map(|c| c / 600.0);
+            triangles.push([[0.0, 0.0], [1.0, from], [1.0, to]]);
+            triangles.push([[0.0, 0.0], [to, 1.0], [from, 1.0]]);
+        }
+        let mut random = crate::splitmix::SplitMix64::new(3);
+        for i in (1..triangles.len()).rev() {
+            triangles.swap(i, random.below(i as u64 + 1) as usize);
+        }
+        assert!(is_square_plain(&triangles, 1.0));
+        triangles.pop();
+        assert!(!is_square_plain(&triangles, 1.0));
     }
 
     #[test]

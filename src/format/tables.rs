@@ -16,7 +16,7 @@ use super::records::{
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
-use crate::trace::{AirGrid, Finder, NONE, Part, Plate, Prisms, Step, plate_of, step_of};
+use crate::trace::{AirGrid, Finder, NONE, Part, Plate, Prisms, Split, Splits, Step, plate_of, step_of};
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
@@ -85,7 +85,8 @@ sections! {
     Tables,
     /// The tables of an opened scene, in place.
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
-    derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived parts: Part,
+    derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
+    derived parts: Part,
     derived airgrid: AirGrid, derived airstarts: u32, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
@@ -268,12 +269,13 @@ impl Views {
         self.run_of = View::own(self.runs_by_triangle());
         self.blocks = View::own(self.groups());
         let prisms = Prisms::new(self);
-        let mut parts = Vec::new();
-        let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut parts)).collect();
+        let mut splits = Splits::default();
+        let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut splits)).collect();
         let plate = |plane: u32| plate_of(&self.triangles, &self.vertices, plane);
         let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
         let finder = Finder::new(&self.scene[0], &self.cells, &steps);
-        (self.steps, self.parts, self.plates) = (View::own(steps), View::own(parts), View::own(plates));
+        (self.steps, self.plates) = (View::own(steps), View::own(plates));
+        (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));
         self.airgrid = View::own(vec![finder.grid]);
         (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
     }

@@ -288,6 +288,11 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0) })
     }
     #[inline(always)]
+    fn signs(self) -> u32 {
+        // SAFETY: see `Avx2`.
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+    #[inline(always)]
     fn differs(self, other: f32) -> u32 {
         // SAFETY: see `Avx2`.
         unsafe {
@@ -310,9 +315,13 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Whether this CPU can run the kernels of this module.
+/// Whether this CPU can run the kernels of this module. All that have AVX2 have the others, so far.
 pub(super) fn is_available() -> bool {
-    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+    std::arch::is_x86_feature_detected!("avx2")
+        && std::arch::is_x86_feature_detected!("fma")
+        && std::arch::is_x86_feature_detected!("bmi1")
+        && std::arch::is_x86_feature_detected!("bmi2")
+        && std::arch::is_x86_feature_detected!("popcnt")
 }
 
-entries!(Avx2, "avx2,fma");
+entries!(Avx2, "avx2,fma,bmi1,bmi2,popcnt");

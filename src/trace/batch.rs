@@ -175,7 +175,7 @@ impl Scene {
             Batch { ask: Ask::First, kernel: self.kernel, starts, rays },
             hits,
             |eight, lane, ray| self.describe_quick(ray, &eight.get(lane), want),
-            |start, ray| self.trace_as(true, self.kernel, start, ray, want),
+            |start, ray| self.trace_with(self.kernel, start, ray, want),
         );
     }
 
@@ -202,7 +202,7 @@ impl Scene {
             Batch { ask: Ask::First, kernel, starts, rays },
             briefs,
             |eight, lane, _| eight.brief(lane),
-            |start, ray| self.trace_brief_as(true, kernel, start, ray),
+            |start, ray| self.trace_brief_with(kernel, start, ray),
         );
     }
 
@@ -213,7 +213,7 @@ impl Scene {
             Batch { ask: Ask::First, kernel, starts, rays },
             briefs,
             |eight, lane, _| eight.brief(lane),
-            |start, ray| self.trace_brief_as(true, kernel, start, ray),
+            |start, ray| self.trace_brief_with(kernel, start, ray),
         );
     }
 
@@ -234,7 +234,7 @@ impl Scene {
             Batch { ask: Ask::Any, kernel: self.kernel, starts, rays },
             occluded,
             |eight, lane, _| eight.is_met(lane),
-            |start, ray| self.occluded_as(true, start, ray),
+            |start, ray| self.occluded_from(start, ray),
         );
     }
 

@@ -1,9 +1,28 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick` and `packet` do is compiled for those instructions within four functions, and only there; the rest of the
-//! crate calls them through four others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them.
+//! What `walk`, `free`, `quick`, `quick_from` and `packet` do is compiled for those instructions within six functions, and only there; the rest of the
+//! crate calls them through five others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them.
 
-/// The functions `run`, `free`, `quick` and `packet` of a module that has `is_available`, on these lanes.
+use super::kernel::Probe;
+use super::lanes::{Lanes, Portable};
+use super::quick::{Exit, Quick, onward};
+use super::ray::Ray;
+use crate::format::Views;
+
+/// Lanes for which what is seldom needed is compiled by itself.
+pub(super) trait Entries: Lanes {
+    /// What a ray meets from a cell on, which it leaves at `exit`, that is in no doubt.
+    fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick>;
+}
+
+impl Entries for Portable {
+    #[inline(never)]
+    fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick> {
+        onward::<Portable, P>(tables, ray, cell, exit, probe)
+    }
+}
+
+/// The functions `run`, `free`, `quick`, `quick_from` and `packet` of a module that has `is_available`, on these lanes.
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
@@ -11,9 +30,10 @@ macro_rules! entries {
         use $crate::trace::kernel::{Ask, Probe};
         use $crate::trace::locate;
         use $crate::trace::packet::{self, Eight};
-        use $crate::trace::quick::{self, Departure, Quick};
+        use $crate::trace::entries::Entries;
+        use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
-        use $crate::trace::walk::{self, Found, Query, Walk};
+        use $crate::trace::walk::{self, Found, Query, Surface, Walk};
 
         #[target_feature(enable = $features)]
         fn run_here(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
@@ -26,13 +46,44 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn quick_here<P: Probe>(
+        fn quick_here<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<Quick> {
+            quick::quick::<$lanes, P>(tables, ray, cell, probe)
+        }
+
+        #[target_feature(enable = $features)]
+        fn onward_here<P: Probe>(
             tables: &Views,
             ray: &Ray,
-            start: &Departure<'_>,
+            cell: u32,
+            exit: Exit,
             probe: &mut P,
         ) -> Option<Quick> {
-            quick::quick::<$lanes, P>(tables, ray, start, probe)
+            quick::onward::<$lanes, P>(tables, ray, cell, exit, probe)
+        }
+
+        impl Entries for $lanes {
+            #[inline(always)]
+            fn onward<P: Probe>(
+                tables: &Views,
+                ray: &Ray,
+                cell: u32,
+                exit: Exit,
+                probe: &mut P,
+            ) -> Option<Quick> {
+                // SAFETY: lanes of this type are used by the functions here only, for which that holds.
+                unsafe { onward_here(tables, ray, cell, exit, probe) }
+            }
+        }
+
+        #[target_feature(enable = $features)]
+        fn quick_from_here<P: Probe>(
+            tables: &Views,
+            ray: &Ray,
+            cell: u32,
+            surface: &Surface,
+            probe: &mut P,
+        ) -> Option<Quick> {
+            quick::quick_from::<$lanes, P>(tables, ray, cell, surface, probe)
         }
 
         #[target_feature(enable = $features)]
@@ -68,7 +119,7 @@ macro_rules! entries {
             unsafe { free_here(tables, point, hint) }
         }
 
-        /// What a ray meets that is in no doubt.
+        /// What a ray from the air meets that is in no doubt.
         ///
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
@@ -76,12 +127,29 @@ macro_rules! entries {
         pub(super) fn quick<P: Probe>(
             tables: &Views,
             ray: &Ray,
-            start: &Departure<'_>,
+            cell: u32,
             probe: &mut P,
         ) -> Option<Quick> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { quick_here(tables, ray, start, probe) }
+            unsafe { quick_here(tables, ray, cell, probe) }
+        }
+
+        /// What a ray from a surface meets that is in no doubt.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn quick_from<P: Probe>(
+            tables: &Views,
+            ray: &Ray,
+            cell: u32,
+            surface: &Surface,
+            probe: &mut P,
+        ) -> Option<Quick> {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { quick_from_here(tables, ray, cell, surface, probe) }
         }
 
         /// What rays meet that is in no doubt.

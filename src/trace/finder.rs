@@ -37,8 +37,8 @@ pub(crate) struct AirGrid {
     per: [f64; 3],
     /// How many; 0 of a grid without cubes.
     dims: [u32; 3],
-    /// Zero.
-    reserved: u32,
+    /// More than rounding to f32 moves a point of the zone against a line, metres: sixteen roundings.
+    pub(super) rounding: f32,
 }
 
 impl AirGrid {
@@ -93,7 +93,9 @@ impl Finder {
         let size = [0, 1, 2].map(|axis| hi[axis] - lo[axis]);
         let count = air.len() as f64;
         let dims = divide(size, (count * CUBES_PER_CELL).min(MANY_CUBES.max(count * LEAST_PER_CELL)));
-        let mut grid = AirGrid { lo, hi, ..AirGrid::zeroed() };
+        let reach = lo.iter().chain(&hi).fold(0.0f64, |reach, c| reach.max(c.abs()));
+        let rounding = (reach * (-20f64).exp2()) as f32;
+        let mut grid = AirGrid { lo, hi, rounding, ..AirGrid::zeroed() };
         let none = Finder { grid, starts: vec![0], cells: Vec::new() };
         let Some(dims) = dims.filter(|_| !air.is_empty()) else { return none };
         grid.dims = dims;

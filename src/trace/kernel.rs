@@ -4,9 +4,9 @@ use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
 use super::packet::{Eight, packet};
-use super::quick::{Departure, Quick, quick};
+use super::quick::{Quick, quick, quick_from};
 use super::ray::Ray;
-use super::walk::{Found, Query, Walk, walk};
+use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
 use crate::format::Views;
@@ -94,16 +94,36 @@ impl Kernel {
         }
     }
 
-    /// What a ray meets that is in no doubt.
+    /// What a ray from the air of a cell meets that is in no doubt.
     #[inline]
-    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, start: &Departure<'_>) -> Option<Quick> {
+    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
         let probe = &mut Plain { kernel: self, ask };
         match self.0 {
-            Set::Portable => quick::<Portable, _>(tables, ray, start, probe),
+            Set::Portable => quick::<Portable, _>(tables, ray, cell, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick(tables, ray, start, probe),
+            Set::Avx2 => avx2::quick(tables, ray, cell, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::quick(tables, ray, start, probe),
+            Set::Avx512 => avx512::quick(tables, ray, cell, probe),
+        }
+    }
+
+    /// The same of a ray from a surface.
+    #[inline]
+    pub(super) fn quick_from(
+        self,
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        surface: &Surface,
+    ) -> Option<Quick> {
+        let probe = &mut Plain { kernel: self, ask };
+        match self.0 {
+            Set::Portable => quick_from::<Portable, _>(tables, ray, cell, surface, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::quick_from(tables, ray, cell, surface, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::quick_from(tables, ray, cell, surface, probe),
         }
     }
 

@@ -12,7 +12,7 @@ use super::NONE;
 use super::lanes::Lanes;
 use super::path::{BLURRED, Prisms, to_lattice};
 use super::step::Step;
-use crate::format::records::{CellRecord, LANES, SceneRecord, VolumeRecord};
+use crate::format::records::{CellRecord, LANES, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -140,7 +140,7 @@ pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Opti
     if !grid.holds(at) {
         return None;
     }
-    let rounding = rounding(&tables.scene[0]);
+    let rounding = grid.rounding;
     let mut found = hint;
     if hint as usize >= tables.steps.len() || !holds::<L>(tables, hint, at, rounding) {
         found = NONE;
@@ -158,17 +158,6 @@ pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Opti
     let flags = if step.is_some() { step.flags } else { tables.cells[found as usize].flags };
     let margin = tables.scene[0].tolerance;
     (flags == CellRecord::FREE || !may_be_in_solid(tables, point, margin)).then_some(found)
-}
-
-/// More than rounding to f32 moves a point of the zone against a line, metres: sixteen roundings.
-#[inline(always)]
-pub(super) fn rounding(scene: &SceneRecord) -> f32 {
-    let [lo, hi] = scene.zone;
-    let mut reach = 0.0f64;
-    for axis in 0..3 {
-        reach = reach.max(lo[axis].abs()).max(hi[axis].abs());
-    }
-    (reach * (-20f64).exp2()) as f32
 }
 
 /// Whether a cell is a prism of air that holds a point (from the lattice's origin), farther from its border than cells differ from the

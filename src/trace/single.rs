@@ -8,7 +8,7 @@ use super::cost::Cost;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
-use super::quick::{Departure, Quick, quick};
+use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -99,31 +99,12 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        self.trace_as(false, kernel, start, ray, want)
-    }
-
-    /// The same; `scattered`, if the ray before went elsewhere.
-    #[inline]
-    pub(super) fn trace_as(
-        &self,
-        scattered: bool,
-        kernel: Kernel,
-        start: Start<'_>,
-        ray: &Ray,
-        want: Want,
-    ) -> Hit {
-        let cell = self.quick_start(start, ray);
-        if let Some(cell) = cell
-            && let Some(quick) = kernel.quick(
-                Ask::First,
-                &self.tables,
-                ray,
-                &Departure { cell, surface: on(start, ray).as_ref(), scattered },
-            )
-        {
-            return self.describe_quick(ray, &quick, want);
+        match self.quick(kernel, Ask::First, start, ray) {
+            Ok(quick) => self.describe_quick(ray, &quick, want),
+            Err(cell) => {
+                self.answer(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
+            }
         }
-        self.answer(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
     }
 
     /// What the ray meets first, in brief: the fastest way to ask.
@@ -145,46 +126,42 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        self.trace_brief_as(false, kernel, start, ray)
+        let Quick { found, cell, .. } = match self.quick(kernel, Ask::First, start, ray) {
+            Ok(quick) => quick,
+            Err(place) => return self.brief(kernel, known(start, ray, place), ray),
+        };
+        if found.triangle == NONE {
+            return Brief::ESCAPED;
+        }
+        Brief { t: found.t, triangle: found.triangle, cell }
     }
 
-    /// The same; `scattered`, if the ray before went elsewhere.
-    #[inline]
-    pub(super) fn trace_brief_as(
-        &self,
-        scattered: bool,
-        kernel: Kernel,
-        start: Start<'_>,
-        ray: &Ray,
-    ) -> Brief {
-        let place = self.quick_start(start, ray);
-        if let Some(place) = place
-            && let Some(Quick { found, cell, .. }) = kernel.quick(
-                Ask::First,
-                &self.tables,
-                ray,
-                &Departure { cell: place, surface: on(start, ray).as_ref(), scattered },
-            )
-        {
-            if found.triangle == NONE {
-                return Brief::ESCAPED;
-            }
-            return Brief { t: found.t, triangle: found.triangle, cell };
-        }
-        let hit =
-            self.answer(known(start, ray, place), ray, Want::LEAST, &mut Plain { kernel, ask: Ask::First });
+    /// The same where there is doubt.
+    #[cold]
+    #[inline(never)]
+    fn brief(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
+        let hit = self.answer(start, ray, Want::LEAST, &mut Plain { kernel, ask: Ask::First });
         Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
     }
 
-    /// The cell in which a quick way may start.
+    /// What the quick way answers, or the cell in which the ray starts, if that is known.
     #[inline]
-    fn quick_start(&self, start: Start<'_>, ray: &Ray) -> Option<u32> {
-        match start {
-            Start::Anywhere => self.free_cell(ray.origin),
-            Start::Cell(cell) if self.tables.is_air(cell) => Some(cell),
-            Start::Cell(_) => self.free_cell(ray.origin),
-            Start::Hit(hit) => self.tables.is_air(hit.cell).then_some(hit.cell),
+    fn quick(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
+        if let Start::Cell(cell) = start {
+            if let Some(quick) = kernel.quick(ask, &self.tables, ray, cell) {
+                return Ok(quick);
+            }
+            if self.tables.is_air(cell) {
+                return Err(Some(cell));
+            }
         }
+        if let Start::Hit(hit) = start {
+            let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
+            return kernel.quick_from(ask, &self.tables, ray, hit.cell, &surface).ok_or(None);
+        }
+        let place = self.free_cell(ray.origin);
+        let quick = place.and_then(|cell| kernel.quick(ask, &self.tables, ray, cell));
+        quick.ok_or(place)
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -229,20 +206,29 @@ impl Scene {
     /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
-        let cell = self.quick_start(start, ray);
-        if let Some(cell) = cell
-            && let Some(found) = quick::<Portable, _>(
-                &self.tables,
-                ray,
-                &Departure { cell, surface: on(start, ray).as_ref(), scattered: false },
-                &mut cost,
-            )
-        {
+        let (tables, cell) = (&self.tables, self.start_cell(start, ray));
+        let found = cell.and_then(|cell| match start {
+            Start::Hit(hit) => {
+                let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
+                quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
+            }
+            _ => quick::<Portable, _>(tables, ray, cell, &mut cost),
+        });
+        if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
         }
         cost = Cost::default();
         let hit = self.answer(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
+    }
+
+    /// The cell of air in which a ray starts, as far as that is in no doubt.
+    fn start_cell(&self, start: Start<'_>, ray: &Ray) -> Option<u32> {
+        match start {
+            Start::Cell(cell) if self.tables.is_air(cell) => Some(cell),
+            Start::Anywhere | Start::Cell(_) => self.free_cell(ray.origin),
+            Start::Hit(hit) => self.tables.is_air(hit.cell).then_some(hit.cell),
+        }
     }
 
     /// The answer without the quick way.
@@ -308,24 +294,16 @@ impl Scene {
     /// # }
     /// ```
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
-        self.occluded_as(false, start, ray)
+        match self.quick(self.kernel, Ask::Any, start, ray) {
+            Ok(quick) => quick.found.triangle != NONE,
+            Err(cell) => self.is_occluded(known(start, ray, cell), ray),
+        }
     }
 
-    /// The same; `scattered`, if the ray before went elsewhere.
-    #[inline]
-    pub(super) fn occluded_as(&self, scattered: bool, start: Start<'_>, ray: &Ray) -> bool {
-        let cell = self.quick_start(start, ray);
-        if let Some(cell) = cell
-            && let Some(quick) = self.kernel.quick(
-                Ask::Any,
-                &self.tables,
-                ray,
-                &Departure { cell, surface: on(start, ray).as_ref(), scattered },
-            )
-        {
-            return quick.found.triangle != NONE;
-        }
-        let start = known(start, ray, cell);
+    /// The same where there is doubt.
+    #[cold]
+    #[inline(never)]
+    fn is_occluded(&self, start: Start<'_>, ray: &Ray) -> bool {
         let Some(line) = Line::new(&self.tables, ray) else { return false };
         let is_anywhere = matches!(start, Start::Anywhere);
         if is_anywhere && self.may_start_in_solid(&line) {
@@ -479,15 +457,6 @@ impl Line {
 fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
     match start {
         Start::Hit(hit) => Some(surface_of(hit, line.origin, line.tmin)),
-        _ => None,
-    }
-}
-
-/// The same of a ray of which nothing was worked out.
-#[inline(always)]
-fn on(start: Start<'_>, ray: &Ray) -> Option<Surface> {
-    match start {
-        Start::Hit(hit) => Some(surface_of(hit, DVec3::from(ray.origin), ray.tmin)),
         _ => None,
     }
 }

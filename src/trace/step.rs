@@ -19,14 +19,12 @@ pub(crate) struct Step {
     pub(crate) x: [f32; LANES],
     /// The same for y.
     pub(crate) y: [f32; LANES],
-    /// Where the edge from each leads, a *link*; zeros for none.
-    pub(crate) next: [u32; LANES],
+    /// Where the edge from each leads, a *link*; zeros for none. Then where the floor and the ceiling lead.
+    pub(crate) links: [u32; LANES + 2],
     /// The side that starts at each corner, counted from the cell's first; then the number of its sides again.
     pub(crate) side: [u8; LANES],
     /// Heights of floor and ceiling, exact; NaN if one is sloped.
     pub(crate) height: [f32; 2],
-    /// Where floor and ceiling lead.
-    pub(crate) vertical: [u32; 2],
     /// `CellRecord::root`.
     pub(crate) root: u32,
     /// `CellRecord::flags`.
@@ -40,10 +38,9 @@ impl Step {
     pub(crate) const NONE: Step = Step {
         x: [0.0; LANES],
         y: [0.0; LANES],
-        next: [0; LANES],
+        links: [0; LANES + 2],
         side: [0; LANES],
         height: [0.0; 2],
-        vertical: [0; 2],
         root: 0,
         flags: 0,
         corners: 0,
@@ -77,23 +74,36 @@ impl Step {
     }
 }
 
-/// A part of an edge of a simple prism's footprint, as far as the next part's start, and what is over it.
+/// An edge of a simple prism's footprint that is split into up to nine parts.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Split {
+    /// Where the second part and each further one start, as a share of the edge; infinite where there are no more.
+    pub(crate) starts: [f32; LANES],
+    /// The number of its first part; the others follow.
+    pub(crate) first: u32,
+}
+
+/// What is over a part of an edge of a simple prism's footprint.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Part {
-    /// Where it starts, as [`Step::x`] and `y`.
-    pub(crate) start: [f32; 2],
     /// Where the first and the second face over it end, exact; infinite where there are no more.
     pub(crate) top: [f32; 2],
     /// Where its faces lead, from the floor up.
     pub(crate) link: [u32; Part::FACES],
-    /// 1 for the last of an edge.
-    pub(crate) last: u32,
 }
 
 impl Part {
     /// At most so many faces.
     const FACES: usize = 3;
+}
+
+/// What edges of simple prisms are split into.
+#[derive(Default)]
+pub(crate) struct Splits {
+    pub(crate) splits: Vec<Split>,
+    pub(crate) parts: Vec<Part>,
 }
 
 /// Where a face of a simple prism leads.
@@ -110,33 +120,43 @@ fn link(prisms: &Prisms<'_>, cell: u32, source: u32, flags: u16) -> u32 {
     }
 }
 
-/// Where an edge leads that is split into these sides.
-fn split(prisms: &Prisms<'_>, sides: &[SideRecord], parts: &mut Vec<Part>) -> u32 {
-    let first = parts.len();
-    for (index, side) in sides.iter().enumerate() {
-        let faces = prisms.faces_of(side);
-        let mut part = Part {
-            start: side.start,
-            top: [f32::INFINITY; 2],
-            link: [Step::OTHER; Part::FACES],
-            last: u32::from(index + 1 == sides.len()),
-        };
-        let tops = faces.iter().rev().skip(1).rev().map(|face| exact(prisms, face.top));
-        let is_simple = faces.len() <= Part::FACES
-            && tops.enumerate().all(|(face, top)| {
-                part.top[face] = top;
-                !top.is_nan()
-            });
-        if !is_simple || first >= Step::SPLIT as usize {
-            parts.truncate(first);
+impl Splits {
+    /// Where an edge leads that ends at a corner and is split into these sides.
+    fn add(&mut self, prisms: &Prisms<'_>, sides: &[SideRecord], end: [f32; 2]) -> u32 {
+        let (first, number) = (self.parts.len(), self.splits.len());
+        if sides.len() > LANES + 1 || number >= Step::SPLIT as usize || first > u32::MAX as usize - LANES {
             return Step::PARTS;
         }
-        for (to, face) in part.link.iter_mut().zip(faces) {
-            *to = link(prisms, face.cell, face.source, face.flags);
+        let [ax, ay] = sides[0].start.map(f64::from);
+        let (ex, ey) = (f64::from(end[0]) - ax, f64::from(end[1]) - ay);
+        let share = |start: [f32; 2]| {
+            ((f64::from(start[0]) - ax) * ex + (f64::from(start[1]) - ay) * ey) / (ex * ex + ey * ey)
+        };
+        let mut split = Split { starts: [f32::INFINITY; LANES], first: first as u32 };
+        for (to, side) in split.starts.iter_mut().zip(&sides[1..]) {
+            *to = share(side.start) as f32;
         }
-        parts.push(part);
+        for side in sides {
+            let faces = prisms.faces_of(side);
+            let mut part = Part { top: [f32::INFINITY; 2], link: [Step::OTHER; Part::FACES] };
+            let tops = faces.iter().rev().skip(1).rev().map(|face| exact(prisms, face.top));
+            let is_simple = faces.len() <= Part::FACES
+                && tops.enumerate().all(|(face, top)| {
+                    part.top[face] = top;
+                    !top.is_nan()
+                });
+            if !is_simple {
+                self.parts.truncate(first);
+                return Step::PARTS;
+            }
+            for (to, face) in part.link.iter_mut().zip(faces) {
+                *to = link(prisms, face.cell, face.source, face.flags);
+            }
+            self.parts.push(part);
+        }
+        self.splits.push(split);
+        Step::SPLIT | number as u32
     }
-    Step::SPLIT | first as u32
 }
 
 /// The height of a plane that is level, if f32 has it; else NaN. On the lattice it is.
@@ -147,8 +167,8 @@ fn exact(prisms: &Prisms<'_>, plane: u32) -> f32 {
     }
 }
 
-/// The step of a cell; parts of its edges are added to `parts`.
-pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Part>) -> Step {
+/// The step of a cell; what its edges are split into is added to `splits`.
+pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Splits) -> Step {
     let sides = prisms.sides_of(cell);
     let count = sides.len();
     if cell.kind != CellRecord::AIR || count < 3 || count > usize::from(u8::MAX) {
@@ -167,7 +187,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Pa
             if corners == 0 {
                 return Step::NONE;
             }
-            step.next[corners - 1] = Step::PARTS;
+            step.links[corners - 1] = Step::PARTS;
             continue;
         }
         if corners == LANES {
@@ -175,7 +195,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Pa
         }
         [step.x[corners], step.y[corners]] = side.start;
         step.side[corners] = index as u8;
-        step.next[corners] = match prisms.faces_of(side) {
+        step.links[corners] = match prisms.faces_of(side) {
             [only] => link(prisms, only.cell, only.source, only.flags),
             _ => Step::PARTS,
         };
@@ -183,10 +203,11 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Pa
     }
     step.corners = corners as u16;
     for corner in 0..corners {
-        if step.next[corner] == Step::PARTS {
+        if step.links[corner] == Step::PARTS {
             let start = usize::from(step.side[corner]);
             let end = if corner + 1 < corners { step.side[corner + 1].into() } else { count };
-            step.next[corner] = split(prisms, &sides[start..end], parts);
+            let next = sides[if end == count { 0 } else { end }].start;
+            step.links[corner] = splits.add(prisms, &sides[start..end], next);
         }
     }
     for lane in corners..LANES {
@@ -194,7 +215,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, parts: &mut Vec<Pa
     }
     let (below, above) = prisms.covers_of(cell);
     for (end, plane, covers) in [(0, cell.floor, below), (1, cell.ceiling, above)] {
-        step.vertical[end] = match covers {
+        step.links[LANES + end] = match covers {
             [only] => link(prisms, only.cell, only.source, only.flags),
             _ => Step::PARTS,
         };

@@ -2,8 +2,10 @@
 
 use super::Packet;
 use crate::format::records::LANES;
+use crate::trace::entries::Entries;
 use crate::trace::lanes::{Lanes, Wide};
 use crate::trace::path::BLURRED;
+use crate::trace::quick::{DOWN, UP};
 use crate::trace::step::Step;
 
 /// Where rays leave their prisms.
@@ -25,9 +27,8 @@ pub(super) struct Crossed<L> {
     pub(super) off: L,
 }
 
-/// In the place of an edge: the floor, the ceiling.
-pub(super) const DOWN: usize = LANES;
-pub(super) const UP: usize = LANES + 1;
+/// How many times as much as rounding moves a line it may be off: `quick`, which takes that once, is then in no doubt either.
+pub(super) const SURE: f32 = 4.0;
 
 /// The corners of rays' prisms.
 pub(super) trait Corners<L> {
@@ -57,7 +58,19 @@ impl<L: Lanes> Corners<L> for Own<L> {
     }
 }
 
-impl<L: Lanes> Packet<'_, '_, L> {
+impl<L: Entries> Packet<'_, L> {
+    /// No corner may be nearer to a line than this.
+    #[inline(always)]
+    pub(super) fn margin(&self) -> L {
+        L::splat(BLURRED as f32 + SURE * self.rounding)
+    }
+
+    /// The same times the direction's length in the plan.
+    #[inline(always)]
+    pub(super) fn least(&self) -> L {
+        self.margin().mul(self.flat)
+    }
+
     /// Where the rays leave prisms whose footprints have up to `count` corners.
     #[inline(always)]
     pub(super) fn cross<const FIRST: bool>(
@@ -71,7 +84,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
         let [fx, fy, fz] = self.from;
         let [ax, ay, az] = self.along;
         let rounding = L::splat(self.rounding);
-        let margin = L::splat(BLURRED as f32 + self.rounding);
+        let margin = self.margin();
         let (x, y) = corners.at(0);
         let (mut dx, mut dy) = (x.sub(fx), y.sub(fy));
         let mut side = ax.mul_sub(dy, ay.mul(dx));
@@ -111,7 +124,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
             ahead = L::and(ahead, inside);
         }
         let within = L::and(floor.add(blur).le(height), height.le(ceiling.sub(blur)));
-        let least = margin.mul(self.flat);
+        let least = self.least();
         let clear = L::and(least.le(zero.sub(right)), least.le(left));
         let within = L::and(within, ahead);
         let through_side = L::bits(within);
@@ -125,7 +138,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
             let (px, py) = (steeply.mul(ax), steeply.mul(ay));
             // The same as there, of how much rounding moves the place.
             let tilt = self.steep.abs().add(L::splat(2.0));
-            let margin = rounding.mul_add(tilt, L::splat(1.5 * BLURRED as f32));
+            let margin = L::splat(SURE * self.rounding).mul_add(tilt, L::splat(1.5 * BLURRED as f32));
             let mut inside = vertical;
             let (x, y) = corners.at(0);
             let (mut dx, mut dy) = (x.sub(fx).sub(px), y.sub(fy).sub(py));

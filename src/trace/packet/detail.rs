@@ -5,11 +5,12 @@ use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 use crate::trace::herd::{Herd, Nearest, Rounded, together};
 use crate::trace::kernel::{Ask, Probe};
-use crate::trace::lanes::{Lanes, Wide};
+use crate::trace::entries::Entries;
+use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
 use crate::trace::walk::Walk;
 
-impl<L: Lanes> Packet<'_, '_, L> {
+impl<L: Entries> Packet<'_, L> {
     /// What some rays meet of detail before `t`.
     #[inline(always)]
     pub(super) fn detail(&self, ask: Ask, rays: u32, root: u32, t: L::Wide) -> Nearest {

@@ -1,43 +1,32 @@
 //! Which part of an edge, of a floor or of a ceiling rays leave through.
 
 use super::Packet;
-use super::crossing::Crossed;
+use super::crossing::{Crossed, SURE};
 use crate::format::records::{CellRecord, LANES};
-use crate::trace::lanes::Lanes;
+use crate::trace::entries::Entries;
 use crate::trace::path::BLURRED;
 use crate::trace::quick::link;
-use crate::trace::step::{Part, Step};
 
-/// Whether a link leads to parts of an edge.
-#[inline(always)]
-pub(super) fn is_split(link: u32) -> bool {
-    link & (Step::PLATE | Step::SPLIT) == Step::SPLIT
-}
-
-impl<L: Lanes> Packet<'_, '_, L> {
-    /// The link of the part of an edge that all rays leave through.
+impl<L: Entries> Packet<'_, L> {
+    /// The link of the part of a split edge that all rays leave through.
     #[inline(always)]
-    pub(super) fn split_together(&self, first: u32, crossed: &Crossed<L>) -> Option<u32> {
-        let ([fx, fy, _], [ax, ay, _]) = (self.from, self.along);
+    pub(super) fn split_together(&self, split: u32, crossed: &Crossed<L>) -> Option<u32> {
         let (zero, all) = (L::splat(0.0), self.under_way);
-        let mut rest = self.tables.parts.get(first as usize..)?.iter();
-        let mut part = rest.next()?;
-        let (mut right, mut left) = (crossed.right, crossed.left);
-        while part.last == 0 {
-            let next = rest.next()?;
-            let (x, y) = (L::splat(next.start[0]), L::splat(next.start[1]));
-            let side = ax.mul_sub(y.sub(fy), ay.mul(x.sub(fx)));
+        let split = self.tables.splits.get(split as usize)?;
+        let (right, left, least) = (crossed.right, crossed.left, self.least());
+        let across = left.sub(right);
+        let mut is_clear = L::and(least.le(zero.sub(right)), least.le(left));
+        let mut part = split.first;
+        for start in split.starts {
+            let side = across.mul_add(L::splat(start), right);
+            is_clear = L::and(is_clear, least.le(side.abs()));
             match L::bits(zero.le(side)) & all {
-                0 => (part, right) = (next, side),
-                bits if bits == all => {
-                    left = side;
-                    break;
-                }
+                0 => part += 1,
+                bits if bits == all => break,
                 _ => return None,
             }
         }
-        let least = L::splat(BLURRED as f32 + self.rounding).mul(self.flat);
-        let mut is_clear = L::and(least.le(zero.sub(right)), least.le(left));
+        let part = self.tables.parts.get(part as usize)?;
         let mut face = 0;
         for top in part.top {
             let over = crossed.height.sub(L::splat(top));
@@ -51,40 +40,6 @@ impl<L: Lanes> Packet<'_, '_, L> {
         (L::bits(is_clear) & all == all).then_some(part.link[face])
     }
 
-    /// The part of an edge that a ray leaves through, as `Way::split` has it: where it leads.
-    #[inline(always)]
-    pub(super) fn split(
-        &self,
-        lane: usize,
-        first: u32,
-        [mut right, mut left]: [f32; 2],
-        height: f32,
-        blur: f32,
-    ) -> u32 {
-        let (fx, fy) = (self.from[0].store()[lane], self.from[1].store()[lane]);
-        let (ax, ay) = (self.along[0].store()[lane], self.along[1].store()[lane]);
-        let parts: &[Part] = &self.tables.parts;
-        let mut index = first as usize;
-        let Some(mut part) = parts.get(index) else { return Step::OTHER };
-        while part.last == 0 {
-            index += 1;
-            let Some(next) = parts.get(index) else { return Step::OTHER };
-            let side = ax * (next.start[1] - fy) - ay * (next.start[0] - fx);
-            if side >= 0.0 {
-                left = side;
-                break;
-            }
-            (part, right) = (next, side);
-        }
-        let least = (BLURRED as f32 + self.rounding) * (ax.abs() + ay.abs());
-        let (over, over_next) = (height - part.top[0], height - part.top[1]);
-        if -right >= least && left >= least && over.abs() >= blur && over_next.abs() >= blur {
-            part.link[usize::from(over > 0.0) + usize::from(over_next > 0.0)]
-        } else {
-            Step::OTHER
-        }
-    }
-
     /// The link of the part of a floor or a ceiling that all rays pass.
     #[inline(always)]
     pub(super) fn cover_together(&self, cell: u32, is_down: bool, t: L) -> Option<u32> {
@@ -94,7 +49,7 @@ impl<L: Lanes> Packet<'_, '_, L> {
         let (lead_x, lead_y) = (f64::from(x.store()[lead]), f64::from(y.store()[lead]));
         // Farther than that from the border no other part is near.
         let tilt = self.steep.abs().add(L::splat(2.0));
-        let margin = L::splat(1.5 * (BLURRED as f32 + self.rounding)).mul(tilt);
+        let margin = L::splat(1.5 * (BLURRED as f32 + SURE * self.rounding)).mul(tilt);
         let record = &tables.cells[cell as usize];
         let first = record.first_cover as usize;
         let (below, above) = (record.below as usize, record.above as usize);

@@ -14,18 +14,18 @@ mod links;
 mod plates;
 
 use super::NONE;
+use super::entries::Entries;
 use super::herd::Nearest;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
-use super::locate::rounding;
 use super::path::NEAR;
-use super::quick::{COARSEST, GRAZING, Quick, STEEPEST, UNIT, Way};
+use super::quick::{COARSEST, DOWN, GRAZING, Passage, Quick, STEEPEST, UNIT, Way, is_split};
 use super::ray::Ray;
 use super::step::Step;
 use super::walk::Found;
 use crate::format::Views;
 use crate::format::records::LANES;
-use crossing::{Crossed, DOWN, One, Own, UP};
+use crossing::{Crossed, One, Own};
 pub(super) use eight::Eight;
 use plates::{Plates, dot};
 
@@ -49,7 +49,7 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
 
 /// What the first `count` rays meet that is in no doubt, each starting in its cell.
 #[inline(always)]
-pub(super) fn packet<L: Lanes, P: Probe>(
+pub(super) fn packet<L: Entries, P: Probe>(
     tables: &Views,
     rays: &[&Ray; LANES],
     count: usize,
@@ -78,8 +78,8 @@ pub(super) fn packet<L: Lanes, P: Probe>(
     for lane in lanes(packet.under_way) {
         let cell = eight.cells[lane];
         if let Some(way) = packet.way(lane)
-            && let Some(exit) = way.leave::<L, false>(cell)
-            && let Some(quick) = way.onward::<L>(cell, exit, probe)
+            && let Some(exit) = way.leave::<L>(cell, false)
+            && let Some(quick) = L::onward(tables, rays[lane], cell, exit, probe)
         {
             eight.put(lane, &quick, way.limit);
         }
@@ -87,9 +87,9 @@ pub(super) fn packet<L: Lanes, P: Probe>(
 }
 
 /// Rays under way.
-struct Packet<'a, 'r, L: Lanes> {
+struct Packet<'a, L: Lanes> {
     tables: &'a Views,
-    rays: &'r [&'r Ray; LANES],
+    rays: &'a [&'a Ray; LANES],
     /// Those that have neither ended nor come into doubt.
     under_way: u32,
     /// As `Way` has them.
@@ -110,10 +110,10 @@ struct Packet<'a, 'r, L: Lanes> {
     rounding: f32,
 }
 
-impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
+impl<'a, L: Entries> Packet<'a, L> {
     /// Reads rays. Under way are those that `Way::new` would take, as far as it does not look where they go.
     #[inline(always)]
-    fn new(tables: &'a Views, rays: &'r [&'r Ray; LANES]) -> Self {
+    fn new(tables: &'a Views, rays: &'a [&'a Ray; LANES]) -> Self {
         let scene = &tables.scene[0];
         let mut rows = [[&[0.0; 4]; LANES]; 2];
         for (lane, &ray) in rays.iter().enumerate() {
@@ -158,7 +158,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             along,
             flat,
             steep: L::splat(1.0).div(along[2]),
-            rounding: rounding(scene),
+            rounding: tables.airgrid[0].rounding,
         }
     }
 
@@ -222,8 +222,8 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             return false;
         }
         let edge = edge.to_bits() as usize;
-        let mut link = if edge < LANES { step.next[edge] } else { step.vertical[usize::from(edge == UP)] };
-        if links::is_split(link) {
+        let mut link = step.links[edge];
+        if is_split(link) {
             match self.split_together(link & !Step::SPLIT, crossed) {
                 Some(found) => link = found,
                 None => return false,
@@ -301,7 +301,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
                 eight.known &= !(1 << lane);
                 continue;
             };
-            let found = way.detail(step.root, [0.0, (met[lane] + NEAR).min(way.limit)], probe);
+            let found = way.detail(step.root, 0.0, (met[lane] + NEAR).min(way.limit), probe);
             if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
                 eight.put(lane, &Quick { found, cell: eight.cells[lane], source: NONE }, way.limit);
             }
@@ -323,7 +323,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
         let cells = eight.cells;
         let edges = crossed.edge.store();
         let [right, left] = [crossed.right.store(), crossed.left.store()];
-        let (height, blur) = (crossed.height.store(), crossed.blur.store());
+        let (height, blur, least) = (crossed.height.store(), crossed.blur.store(), self.least().store());
         // What matters of detail is before this.
         let mut until = crossed.t.add(crossed.off).store();
         let mut links = [0; LANES];
@@ -335,10 +335,13 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             let (step, edge) = (&tables.steps[cells[lane] as usize], edges[lane].to_bits() as usize);
             let mut link = Step::OTHER;
             if (crossed.known | crossed.through_side) & bit != 0 {
-                link = if edge < LANES { step.next[edge] } else { step.vertical[usize::from(edge == UP)] };
-                if links::is_split(link) {
+                link = step.links[edge];
+                if is_split(link) {
                     let sides = [right[lane], left[lane]];
-                    link = self.split(lane, link & !Step::SPLIT, sides, height[lane], blur[lane]);
+                    let passage =
+                        Passage { sides, least: least[lane], height: height[lane], blur: blur[lane] };
+                    let part = passage.part::<L>(tables, link & !Step::SPLIT);
+                    link = part.unwrap_or(Step::OTHER);
                 } else if crossed.known & bit == 0 {
                     link = Step::OTHER;
                 }
@@ -348,22 +351,18 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
                 alone |= bit;
                 let Some(way) = self.way(lane) else { continue };
                 let is_within = !FIRST || (crossed.known | crossed.through_side) & bit != 0;
-                let exit = if is_within {
-                    way.leave::<L, false>(cells[lane])
-                } else {
-                    way.leave::<L, true>(cells[lane])
-                };
+                let exit = way.leave::<L>(cells[lane], !is_within);
                 let Some(exit) = exit else { continue };
                 if exit.link == Step::AROUND {
-                    if let Some(quick) = way.onward::<L>(cells[lane], exit, probe) {
+                    if let Some(quick) = L::onward(tables, self.rays[lane], cells[lane], exit, probe) {
                         eight.put(lane, &quick, way.limit);
                     }
                     continue;
                 }
                 self.under_way |= bit;
                 link = exit.link;
-                exits[lane] = exit.t;
-                until[lane] = (exit.t + exit.t.abs() * 1e-6 + NEAR) as f32;
+                exits[lane] = way.exact(cells[lane], exit);
+                until[lane] = (exits[lane] + exits[lane].abs() * 1e-6 + NEAR) as f32;
             }
             if link & Step::PLATE != 0 && !plates.add(tables, lane, link & !Step::PLATE) {
                 self.under_way &= !bit;
@@ -411,7 +410,7 @@ impl<'a, 'r, L: Lanes> Packet<'a, 'r, L> {
             let found = if is_herd {
                 Found { t: met.t[lane], triangle: met.triangle[lane] }
             } else if let Some(way) = self.way(lane) {
-                way.detail(way.root(cell), [0.0, (met.t[lane] + NEAR).min(way.limit)], probe)
+                way.detail(way.root(cell), 0.0, (met.t[lane] + NEAR).min(way.limit), probe)
             } else {
                 self.under_way &= !bit;
                 continue;

@@ -1,0 +1,474 @@
+//! Where a ray leaves a prism of air, and where that leads.
+//!
+//! Of a simple prism all edges are looked at at once, in f32, with a margin for what that rounds; what it says of no doubt is so. The operations are
+//! those of one lane, rounded one by one, on every kernel. Of other prisms sides, floor and ceiling are looked at in f64.
+
+// Comparisons are written so that NaN is in doubt.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+use std::hint::select_unpredictable;
+
+use super::Way;
+use crate::format::Views;
+use crate::format::records::{CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
+use crate::trace::NONE;
+use crate::trace::lanes::Lanes;
+use crate::trace::path::BLURRED;
+use crate::trace::ray::Ray;
+use crate::trace::step::Step;
+
+/// Where a ray leaves a prism, and where that leads.
+#[derive(Clone, Copy)]
+pub(in crate::trace) struct Exit {
+    /// A link of [`Step`].
+    pub(in crate::trace) link: u32,
+    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; else [`EXACT`].
+    by: u32,
+    /// Where, metres along it, give or take `off`.
+    t: f32,
+    off: f32,
+    /// The same where it is `EXACT`.
+    exact: f64,
+}
+
+/// In the place of an edge: the floor, the ceiling.
+pub(in crate::trace) const DOWN: usize = LANES;
+pub(in crate::trace) const UP: usize = LANES + 1;
+
+/// In the place of an edge: where it leaves is told.
+const EXACT: u32 = u32::MAX;
+
+/// From the border of a floor or a ceiling a ray passes it no nearer than this, metres: somewhat more than cells are blurred.
+const WITHIN: f32 = 1.25 * BLURRED as f32;
+
+impl Exit {
+    fn exact(t: f64, link: u32) -> Exit {
+        let rounded = t as f32;
+        Exit { link, by: EXACT, t: rounded, off: rounded.abs() * f32::EPSILON, exact: t }
+    }
+
+    /// It does not leave before.
+    #[inline(always)]
+    pub(super) fn at_least(&self) -> f64 {
+        f64::from(self.t) - f64::from(self.off)
+    }
+
+    /// It does not leave after.
+    #[inline(always)]
+    pub(super) fn at_most(&self) -> f64 {
+        f64::from(self.t) + f64::from(self.off)
+    }
+}
+
+/// An edge of a footprint.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// Its first side.
+    side: usize,
+    a: [f32; 2],
+    b: [f32; 2],
+}
+
+/// What f32 says of the way out of a simple prism.
+pub(super) struct Crossing {
+    /// As if the edge, the floor or the ceiling had no parts.
+    pub(super) exit: Exit,
+    pub(super) passage: Passage,
+    /// Through an edge, which part of it is not looked at.
+    pub(super) is_within: bool,
+    /// In no doubt where there are no parts.
+    pub(super) is_clear: bool,
+}
+
+/// Whether a link leads to parts of an edge.
+#[inline(always)]
+pub(in crate::trace) fn is_split(link: u32) -> bool {
+    link & (Step::PLATE | Step::SPLIT) == Step::SPLIT
+}
+
+/// The same, as far as parts of an edge need it.
+#[derive(Clone, Copy)]
+pub(in crate::trace) struct Passage {
+    /// The sides of the line that the edge's ends are on, the first on its right.
+    pub(in crate::trace) sides: [f32; 2],
+    /// Nearer to 0 than this they are in doubt.
+    pub(in crate::trace) least: f32,
+    pub(in crate::trace) height: f32,
+    /// Farther than that from `height` one aside is not.
+    pub(in crate::trace) blur: f32,
+}
+
+impl Passage {
+    /// Where the part of a split edge leads that a ray leaves through; `None` in doubt.
+    #[inline(always)]
+    pub(in crate::trace) fn part<L: Lanes>(&self, tables: &Views, split: u32) -> Option<u32> {
+        let split = tables.splits.get(split as usize)?;
+        let [right, left] = self.sides;
+        let starts = L::load(&split.starts);
+        let sides = L::splat(right).add(L::splat(left - right).mul(starts));
+        let part = tables.parts.get((split.first + sides.signs().count_ones()) as usize)?;
+        let (over, over_next) = (self.height - part.top[0], self.height - part.top[1]);
+        let is_between = (L::bits(L::splat(self.least).le(sides.abs())) == 0xff)
+            & (-right >= self.least)
+            & (left >= self.least);
+        let is_clear = is_between & (over.abs() >= self.blur) & (over_next.abs() >= self.blur);
+        is_clear.then(|| part.link[usize::from(over > 0.0) + usize::from(over_next > 0.0)])
+    }
+}
+
+impl Way<'_> {
+    /// Where the ray leaves a prism of air, in which it starts, or which it came into.
+    #[inline(always)]
+    pub(in crate::trace) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Option<Exit> {
+        let step = self.tables.steps.get(cell as usize)?;
+        if !step.is_some() {
+            return otherwise(self.tables, self.ray, cell, EXACT, starts);
+        }
+        let crossing = self.crossing::<L, true>(step, starts);
+        let exit = crossing.exit;
+        if crossing.is_clear && !is_split(exit.link) && exit.link != Step::PARTS {
+            return Some(exit);
+        }
+        if crossing.is_within && is_split(exit.link) {
+            let link = crossing.passage.part::<L>(self.tables, exit.link & !Step::SPLIT)?;
+            return Some(Exit { link, ..exit });
+        }
+        self.leave_otherwise(cell, step, &crossing, starts)
+    }
+
+    /// The same where neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
+    #[inline(always)]
+    pub(super) fn leave_otherwise(
+        &self,
+        cell: u32,
+        step: &Step,
+        crossing: &Crossing,
+        starts: bool,
+    ) -> Option<Exit> {
+        let by = if crossing.is_within || crossing.is_clear {
+            crossing.exit.by
+        } else if step.height[0].is_nan() || step.height[1].is_nan() {
+            EXACT
+        } else {
+            return None;
+        };
+        otherwise(self.tables, self.ray, cell, by, starts)
+    }
+
+    /// Where the ray leaves a simple prism, as far as f32 tells. Where `FORESEEN` a processor is to guess through what, as of rays that go
+    /// similar ways; else all is worked out.
+    #[inline(always)]
+    pub(super) fn crossing<L: Lanes, const FORESEEN: bool>(&self, step: &Step, starts: bool) -> Crossing {
+        let [fx, fy, fz] = [self.from.x as f32, self.from.y as f32, self.from.z as f32];
+        let [ax, ay, az] = [self.along.x as f32, self.along.y as f32, self.along.z as f32];
+        let margin = BLURRED as f32 + self.rounding;
+        let (x, y) = (L::load(&step.x).sub(L::splat(fx)), L::load(&step.y).sub(L::splat(fy)));
+        let (along_x, along_y) = (L::splat(ax), L::splat(ay));
+        let sides = along_x.mul(y).sub(along_y.mul(x));
+        // From each corner to the next, how far the ray's origin is within, and how fast it goes out, times its size.
+        let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
+        let size = ex.abs().add(ey.abs());
+        let inward = ey.mul(x).sub(ex.mul(y));
+        let across = along_x.mul(ey).sub(along_y.mul(ex));
+        // From its right to its left.
+        let right = sides.signs();
+        let leaves = right & !(right >> 1 | right << (LANES - 1)) & 0xff;
+        let index = leaves.trailing_zeros() as usize % LANES;
+        let sides = sides.store();
+        let (right, left) = (sides[index], sides[(index + 1) % LANES]);
+        // Not the difference of the ends' sides, which are rounded as far as they are from the ray's origin.
+        let per = 1.0 / across.store()[index];
+        let t = inward.store()[index] * per;
+        let slant = size.store()[index] * per;
+        let [floor, ceiling] = step.height;
+        let mut is_there = leaves != 0;
+        if starts {
+            let is_in = L::bits(L::splat(0.0).le(inward)) == 0xff;
+            is_there &= is_in & (t >= 0.0) & (fz >= floor) & (fz <= ceiling);
+        }
+        // Its height where it leaves the footprint, beside how far that of one aside is from there.
+        let height = fz + t * az;
+        let blur = margin * (2.0 + slant * az.abs());
+        let least = margin * (ax.abs() + ay.abs());
+        let is_within = is_there & (height >= floor + blur) & (height <= ceiling - blur);
+        let passage = Passage { sides: [right, left], least, height, blur };
+        if FORESEEN && is_within {
+            let is_clear = (-right >= least) & (left >= least);
+            let off = self.rounding * (2.0 + slant);
+            let exit = Exit { link: step.links[index], by: index as u32, t, off, exact: 0.0 };
+            return Crossing { exit, passage, is_within, is_clear };
+        }
+        // Through the floor or the ceiling, well within their border: also of sides that it runs along and never comes to.
+        let (is_under, is_over) = (height <= floor - blur, height >= ceiling + blur);
+        let plane = if FORESEEN {
+            if is_over { ceiling } else { floor }
+        } else {
+            select_unpredictable(is_over, ceiling, floor)
+        };
+        let steep = 1.0 / az;
+        let (steeply, tilt) = ((plane - fz) * steep, 2.0 + steep.abs());
+        let well = size.mul(L::splat(WITHIN + self.rounding * tilt));
+        let is_well = L::bits(well.le(inward.sub(across.mul(L::splat(steeply))))) == 0xff;
+        let (mut by, mut t, mut off, slant) = (DOWN + usize::from(is_over), steeply, tilt, (t, 2.0 + slant));
+        let mut is_clear = is_there & (is_under | is_over) & is_well;
+        if !FORESEEN {
+            by = select_unpredictable(is_within, index, by);
+            t = select_unpredictable(is_within, slant.0, t);
+            off = select_unpredictable(is_within, slant.1, off);
+            is_clear |= is_within & (-right >= least) & (left >= least);
+        }
+        let exit = Exit { link: step.links[by], by: by as u32, t, off: self.rounding * off, exact: 0.0 };
+        Crossing { exit, passage, is_within, is_clear }
+    }
+
+    /// Where the ray leaves a prism at an exit of it.
+    #[inline(always)]
+    pub(in crate::trace) fn exact(&self, cell: u32, exit: Exit) -> f64 {
+        if exit.by == EXACT { exit.exact } else { exact(self.tables, self.ray, cell, exit.by) }
+    }
+
+    /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.
+    #[inline(always)]
+    pub(in crate::trace) fn passes(&self, step: &Step, index: usize) -> f64 {
+        if index >= LANES {
+            return (f64::from(step.height[index - LANES]) - self.from.z) * (1.0 / self.along.z);
+        }
+        let next = (index + 1) % LANES;
+        let (a, b) = ([step.x[index], step.y[index]], [step.x[next], step.y[next]]);
+        let per = 1.0 / (self.side(b) - self.side(a));
+        self.meets(a, edge(a, b)) * per
+    }
+
+    /// The side of the line that a corner is on: negative on its right. Of corners as near to it as rounding can tell, the sign may
+    /// be wrong; they are nearer than `blurred`.
+    #[inline(always)]
+    fn side(&self, [x, y]: [f32; 2]) -> f64 {
+        let (from, along) = (self.from, self.along);
+        along.x * f64::from(y) - along.y * f64::from(x) + (along.y * from.x - along.x * from.y)
+    }
+
+    /// How far along the ray its line in the plan crosses that of the edge, times how the sides of its ends differ.
+    #[inline(always)]
+    fn meets(&self, a: [f32; 2], [ex, ey]: [f64; 2]) -> f64 {
+        (f64::from(a[0]) - self.from.x) * ey - (f64::from(a[1]) - self.from.y) * ex
+    }
+
+    /// The height over a plane where the ray starts, and by how much it grows.
+    #[inline(always)]
+    pub(super) fn over(&self, plane: u32) -> (f64, f64) {
+        let plane = &self.tables.planes[plane as usize];
+        let [p, q] = plane.slope;
+        let (from, along) = (self.from, self.along);
+        (from.z - p * from.x - q * from.y - plane.height, along.z - p * along.x - q * along.y)
+    }
+
+    /// Where the part of an edge leads that the ray leaves through: of its sides the last that starts on its right, and of the faces of that
+    /// the one at its height there.
+    #[inline(never)]
+    fn part(&self, cell: u32, step: &Step, index: usize) -> Option<u32> {
+        let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        let first = record.first_side as usize;
+        let sides = &tables.sides[first..first + record.sides as usize];
+        let next = (index + 1) % LANES;
+        let (mut a, mut b) = ([step.x[index], step.y[index]], [step.x[next], step.y[next]]);
+        let [ex, ey] = edge(a, b);
+        let per = 1.0 / (self.side(b) - self.side(a));
+        let (t, slant) = (self.meets(a, [ex, ey]) * per, (ex.abs() + ey.abs()) * per);
+        let mut side = usize::from(step.side[index]);
+        let end = if index + 1 < LANES { usize::from(step.side[index + 1]) } else { sides.len() };
+        for (part, number) in sides[side..end].iter().zip(side..).skip(1) {
+            if self.side(part.start) >= 0.0 {
+                b = part.start;
+                break;
+            }
+            (side, a) = (number, part.start);
+        }
+        if !self.passes_between(a, b) {
+            return None;
+        }
+        self.face(&sides[side], t, slant)
+    }
+
+    /// Whether the line leaves between two corners, and near neither of them.
+    #[inline(always)]
+    fn passes_between(&self, right: [f32; 2], left: [f32; 2]) -> bool {
+        let blurred = BLURRED * (self.along.x.abs() + self.along.y.abs());
+        -self.side(right) >= blurred && self.side(left) >= blurred
+    }
+
+    /// The face of a side at the ray's height there.
+    #[inline(always)]
+    fn face(&self, side: &SideRecord, t: f64, slant: f64) -> Option<u32> {
+        let first = side.first_face as usize;
+        let tables = self.tables;
+        let faces = &tables.faces[first..first + side.faces as usize];
+        let (last, others) = faces.split_last()?;
+        let mut face = last;
+        for other in others.iter().rev() {
+            if other.top == NONE {
+                face = other;
+                continue;
+            }
+            let (over, grows) = self.over(other.top);
+            let over = over + t * grows;
+            if !(over.abs() >= BLURRED * (2.0 + slant * grows.abs())) {
+                return None;
+            }
+            if over < 0.0 {
+                face = other;
+            }
+        }
+        link(tables, face.cell, face.source, face.flags)
+    }
+
+    /// The same as `leave`, of any prism of air.
+    #[inline(never)]
+    fn leave_any<const FIRST: bool>(&self, cell: u32) -> Option<Exit> {
+        let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        if record.kind != CellRecord::AIR {
+            return None;
+        }
+        let first = record.first_side as usize;
+        let sides = &tables.sides[first..first + record.sides as usize];
+        let (mut into, mut out) = (None, None);
+        let mut before = self.side(sides[0].start) >= 0.0;
+        for (side, here) in sides.iter().enumerate() {
+            let next = &sides[if side + 1 == sides.len() { 0 } else { side + 1 }];
+            let after = self.side(next.start) >= 0.0;
+            if before != after {
+                let found = Some(Edge { side, a: here.start, b: next.start });
+                if after { out = found } else { into = found }
+            }
+            before = after;
+        }
+        let (into, Edge { side, a, b }) = (into?, out?);
+        if !self.passes_between(a, b) {
+            return None;
+        }
+        let [ex, ey] = edge(a, b);
+        let per = 1.0 / (self.side(b) - self.side(a));
+        let t = self.meets(a, [ex, ey]) * per;
+        let slant = (ex.abs() + ey.abs()) * per;
+        let (floor, falls) = self.over(record.floor);
+        let (ceiling, rises) = self.over(record.ceiling);
+        if FIRST {
+            let is_behind = self.meets(into.a, edge(into.a, into.b)) >= 0.0;
+            if !(is_behind && t >= 0.0 && floor >= 0.0 && ceiling <= 0.0) {
+                return None;
+            }
+        }
+        // Over the floor and under the ceiling where it leaves the footprint, beside how far one aside is from there.
+        let (over, under) = (floor + t * falls, -(ceiling + t * rises));
+        let blur = |grows: f64| BLURRED * (2.0 + slant * grows.abs());
+        let (blur_floor, blur_ceiling) = (blur(falls), blur(rises));
+        if over >= blur_floor && under >= blur_ceiling {
+            return Some(Exit::exact(t, self.face(&sides[side], t, slant)?));
+        }
+        // Out of one of them, and well within the other there.
+        let is_down = over <= -blur_floor;
+        if is_down != (under >= blur_ceiling) || !(is_down || under <= -blur_ceiling) {
+            return None;
+        }
+        let (height, grows) = if is_down { (floor, falls) } else { (ceiling, rises) };
+        let t = -height / grows;
+        let at = [self.from.x + t * self.along.x, self.from.y + t * self.along.y];
+        let next = sides.iter().skip(1).chain(sides.first());
+        let is_within = sides.iter().zip(next).all(|(a, b)| {
+            let [ex, ey] = edge(a.start, b.start);
+            let inward = ex * (at[1] - f64::from(a.start[1])) - ey * (at[0] - f64::from(a.start[0]));
+            inward >= BLURRED * (ex.abs() + ey.abs())
+        });
+        if !is_within {
+            return None;
+        }
+        Some(Exit::exact(t, self.cover(cell, is_down, at, grows)?))
+    }
+
+    /// Where the part of a floor or ceiling leads that the ray passes.
+    #[inline(never)]
+    fn cover(&self, cell: u32, is_down: bool, at: [f64; 2], grows: f64) -> Option<u32> {
+        let tables = self.tables;
+        let record = &tables.cells[cell as usize];
+        let first = record.first_cover as usize;
+        let (below, above) = (record.below as usize, record.above as usize);
+        let covers = if is_down { first..first + below } else { first + below..first + below + above };
+        let covers: &[CoverRecord] = &tables.covers[covers];
+        if let [only] = covers {
+            return link(tables, only.cell, only.source, only.flags);
+        }
+        let margin = BLURRED * (1.0 + 1.0 / grows.abs());
+        for cover in covers {
+            let cell = tables.cells.get(cover.cell as usize)?;
+            let [lo, hi] = cell.bounds;
+            if cell.kind == CellRecord::AROUND {
+                return None;
+            }
+            if !(at[0] >= lo[0] && at[0] <= hi[0] && at[1] >= lo[1] && at[1] <= hi[1]) {
+                continue;
+            }
+            let first = cell.first_side as usize;
+            let sides = &tables.sides[first..first + cell.sides as usize];
+            let (mut a, mut is_inside, mut is_beside) = (sides[sides.len() - 1].start, true, true);
+            for side in sides {
+                let b = side.start;
+                let [ex, ey] = edge(a, b);
+                let inward = ex * (at[1] - f64::from(a[1])) - ey * (at[0] - f64::from(a[0]));
+                let margin = margin * (ex.abs() + ey.abs());
+                is_inside &= inward >= margin;
+                is_beside &= inward > -margin;
+                a = b;
+            }
+            if is_inside {
+                return link(tables, cover.cell, cover.source, cover.flags);
+            }
+            if is_beside {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+/// Where a ray leaves a prism, that is not simple if `by` is `EXACT`, else through something of several parts.
+#[inline(never)]
+fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
+    let way = Way::new(tables, ray)?;
+    if by == EXACT {
+        return if starts { way.leave_any::<true>(cell) } else { way.leave_any::<false>(cell) };
+    }
+    let step = &tables.steps[cell as usize];
+    let t = way.passes(step, by as usize);
+    let link = if (by as usize) < LANES {
+        way.part(cell, step, by as usize)?
+    } else {
+        let at = [way.from.x + t * way.along.x, way.from.y + t * way.along.y];
+        way.cover(cell, by as usize == DOWN, at, way.along.z)?
+    };
+    Some(Exit::exact(t, link))
+}
+
+/// Where a ray passes an edge of a simple prism, or its floor or its ceiling.
+#[inline(never)]
+fn exact(tables: &Views, ray: &Ray, cell: u32, by: u32) -> f64 {
+    Way::new(tables, ray).map_or(f64::NAN, |way| way.passes(&tables.steps[cell as usize], by as usize))
+}
+
+/// Where a face leads that has a cell and a source behind it.
+#[inline(always)]
+pub(in crate::trace) fn link(tables: &Views, cell: u32, source: u32, flags: u16) -> Option<u32> {
+    let kind = tables.cells[cell as usize].kind;
+    match kind {
+        CellRecord::AIR if source == NONE => Some(cell),
+        CellRecord::AROUND if source == NONE => Some(Step::AROUND),
+        CellRecord::SOLID if source != NONE && flags == PLAIN => Some(Step::PLATE | source),
+        _ => None,
+    }
+}
+
+/// From one corner to another. Not by `array::map`, which is not always inlined.
+#[inline(always)]
+fn edge(a: [f32; 2], b: [f32; 2]) -> [f64; 2] {
+    [f64::from(b[0]) - f64::from(a[0]), f64::from(b[1]) - f64::from(a[1])]
+}

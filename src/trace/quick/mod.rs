@@ -1,0 +1,325 @@
+//! The quick way of a ray: from prism to prism of air to the first triangle of detail or the first plain face, as long as
+//! nothing is in doubt.
+//!
+//! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
+//! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
+//! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
+//! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
+//! that plain faces are plain is the file's word.
+
+// Comparisons are written so that NaN is in doubt.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+mod leaving;
+#[cfg(all(test, feature = "compile"))]
+mod tests;
+
+use glam::DVec3;
+
+use super::NONE;
+use super::entries::Entries;
+use super::kernel::Probe;
+use super::lanes::Lanes;
+use super::locate::beyond;
+use super::path::{BLURRED, NEAR};
+use super::ray::Ray;
+use super::step::Step;
+use super::walk::{Found, Query, Surface, Walk, inverse};
+use crate::format::Views;
+use crate::format::records::Leaf;
+pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, link};
+
+/// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
+pub(super) const UNIT: f64 = 1e-14;
+
+/// Steeper rays, whose directions are shorter than this in the plan, are left to `cells`.
+pub(super) const STEEPEST: f64 = 1e-3;
+
+/// Lattices with fewer steps in a metre than 2 to this power reach too far for f32.
+pub(super) const COARSEST: u32 = 15;
+
+/// Where a ray runs at a plane more along it than this, its sine, rounding moves what it meets too far.
+pub(super) const GRAZING: f64 = 1.0 / 64.0;
+
+/// A ray from a surface is left to `cells` if it meets anything nearer than this, metres: more than cells are blurred, so that what it
+/// starts on, and what meets that there, is not asked about.
+const FROM_SURFACE: f64 = 4.0 * BLURRED;
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quick {
+    /// Where, and the triangle, or one in its plane.
+    pub(super) found: Found,
+    /// The cell in which it met it.
+    pub(super) cell: u32,
+    /// The source of the face that it met; none if it met the very triangle, or nothing.
+    pub(super) source: u32,
+}
+
+/// What the ray meets first, or something where the `probe` looks for any; it starts in the air of a cell. `None` where there is doubt.
+#[inline(always)]
+pub(super) fn quick<L: Entries, P: Probe>(
+    tables: &Views,
+    ray: &Ray,
+    cell: u32,
+    probe: &mut P,
+) -> Option<Quick> {
+    let way = Way::new(tables, ray)?;
+    let exit = way.leave::<L>(cell, true)?;
+    // Most end in the cell in which they start. Others are looked at elsewhere, so that nothing is kept for that.
+    if exit.link & Step::PLATE == 0 || exit.link == Step::AROUND {
+        return L::onward(tables, ray, cell, exit, probe);
+    }
+    probe.cell();
+    let mut source = exit.link & !Step::PLATE;
+    let mut end = way.plate(source)?;
+    let (root, until) = (way.root(cell), way.until(end.t));
+    if way.may_meet::<L>(root, until, probe) {
+        let found = way.detail(root, 0.0, until, probe);
+        if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
+            (end, source) = (found, NONE);
+        }
+    }
+    Some(way.met(cell, end, source))
+}
+
+/// What a ray meets from a cell on, which it leaves at `exit`.
+#[inline(always)]
+pub(super) fn onward<L: Lanes, P: Probe>(
+    tables: &Views,
+    ray: &Ray,
+    cell: u32,
+    exit: Exit,
+    probe: &mut P,
+) -> Option<Quick> {
+    Way::new(tables, ray)?.onward::<L>(cell, exit, probe)
+}
+
+/// The same of a ray that starts on the surface of a cell, or of what stands in it.
+#[inline(always)]
+pub(super) fn quick_from<L: Entries, P: Probe>(
+    tables: &Views,
+    ray: &Ray,
+    cell: u32,
+    surface: &Surface,
+    probe: &mut P,
+) -> Option<Quick> {
+    let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
+    // Away from it, and not along it.
+    if !(way.direction.dot(surface.normal) >= GRAZING && way.starts_beside::<L>(cell)?) {
+        return None;
+    }
+    let exit = way.leave::<L>(cell, false)?;
+    if !(exit.at_least() >= FROM_SURFACE) {
+        return None;
+    }
+    let quick = way.onward::<L>(cell, exit, probe)?;
+    let is_clear = quick.found.t >= FROM_SURFACE && quick.found.triangle != surface.triangle;
+    (quick.found.triangle == NONE || is_clear).then_some(quick)
+}
+
+/// A ray under way. What is seldom asked of it is not told where it is, but works it out anew: so that it stays in registers.
+#[derive(Clone, Copy)]
+pub(super) struct Way<'a> {
+    tables: &'a Views,
+    /// As the caller has it, save that the direction is unit.
+    ray: &'a Ray,
+    origin: DVec3,
+    direction: DVec3,
+    pub(super) limit: f64,
+    /// What it starts on, if on anything.
+    surface: Option<&'a Surface>,
+    /// Along the lattice's axes, from its origin.
+    from: DVec3,
+    along: DVec3,
+    /// More than rounding to f32 moves a line, metres.
+    rounding: f32,
+}
+
+impl<'a> Way<'a> {
+    #[inline(always)]
+    pub(super) fn new(tables: &'a Views, ray: &'a Ray) -> Option<Self> {
+        let scene = &tables.scene[0];
+        let mut direction = DVec3::from(ray.direction);
+        let squared = direction.length_squared();
+        if !((squared - 1.0).abs() <= UNIT) {
+            if !(squared > 1e-100 && squared < 1e100) {
+                return None;
+            }
+            direction /= squared.sqrt();
+        }
+        if !(ray.tmin == 0.0 && ray.tmax >= 0.0) || scene.lattice_bits < COARSEST {
+            return None;
+        }
+        let origin = DVec3::from(ray.origin);
+        let (mut from, mut along) = (origin - DVec3::from(scene.lattice_origin), direction);
+        let [cos, sin] = scene.lattice_turn;
+        if sin != 0.0 {
+            (from.x, from.y) = (from.x * cos + from.y * sin, from.y * cos - from.x * sin);
+            (along.x, along.y) = (along.x * cos + along.y * sin, along.y * cos - along.x * sin);
+        }
+        if !(along.x.abs() + along.y.abs() >= STEEPEST) {
+            return None;
+        }
+        let rounding = tables.airgrid[0].rounding;
+        Some(Way { tables, ray, origin, direction, limit: ray.tmax, surface: None, from, along, rounding })
+    }
+
+    /// Whether the ray starts in a simple prism, or beside one face of it: where it starts beside more, what stands behind one of them
+    /// may come before another by what cells are blurred.
+    #[inline(always)]
+    fn starts_beside<L: Lanes>(&self, cell: u32) -> Option<bool> {
+        let (step, record) = (self.tables.steps.get(cell as usize)?, self.tables.cells.get(cell as usize)?);
+        if !step.is_some() {
+            return None;
+        }
+        let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
+        let edges = (1u32 << step.corners) - 1;
+        let rounding = f64::from(self.rounding);
+        let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
+        let mut is_in = beyond(inward, size, rounding - BLURRED) & edges == edges;
+        for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
+            let [p, q] = self.tables.planes[plane as usize].slope;
+            let (within, tilt) = (self.over(plane).0 * up, 1.0 + p.abs() + q.abs());
+            beside += u32::from(!(within >= 2.0 * BLURRED * tilt));
+            is_in &= within >= -BLURRED * tilt;
+        }
+        Some(is_in && beside <= 1)
+    }
+
+    /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.
+    #[inline(always)]
+    fn plate(&self, source: u32) -> Option<Found> {
+        // No such source: left to others.
+        let plate = self.tables.plates.get(source as usize)?;
+        let normal = DVec3::from(plate.normal);
+        let toward = normal.dot(self.direction);
+        let t = (plate.offset - normal.dot(self.origin)) / toward;
+        // Not where it runs along it, nor where it starts in the matter by what cells are rounded.
+        (toward.abs() >= GRAZING && t >= 0.0).then_some(Found { t, triangle: plate.triangle })
+    }
+
+    /// What the ray meets from a cell on, which it leaves at `exit`.
+    #[inline(always)]
+    fn onward<L: Lanes>(&self, mut cell: u32, mut here: Exit, probe: &mut impl Probe) -> Option<Quick> {
+        let tables = self.tables;
+        // Each once.
+        for _ in 0..tables.cells.len() {
+            probe.cell();
+            // What stands behind the face, if that ends the way.
+            let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
+            let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
+            if ends {
+                source = here.link & !Step::PLATE;
+                end = self.plate(source)?;
+            }
+            let root = self.root(cell);
+            let until = self.until(if ends { end.t } else { here.at_most() });
+            if self.may_meet::<L>(root, until, probe) {
+                let until = self.until(if ends { end.t } else { self.exact(cell, here) });
+                let found = self.detail(root, 0.0, until, probe);
+                if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
+                    (end, source) = (found, NONE);
+                }
+            }
+            if end.triangle != NONE {
+                return Some(self.met(cell, end, source));
+            }
+            if here.at_most() > self.limit && self.exact(cell, here) > self.limit + tables.scene[0].tolerance
+            {
+                return Some(self.nothing(cell));
+            }
+            if here.link == Step::AROUND {
+                // Where cells say that it leaves them, or a little before: what it passed within them it did not meet.
+                let from = self.exact(cell, here) - NEAR;
+                let found = self.detail(tables.cells[0].root, from, self.limit, probe);
+                return Some(if found.triangle == NONE {
+                    self.nothing(0)
+                } else {
+                    Quick { found, cell: 0, source: NONE }
+                });
+            }
+            cell = here.link;
+            here = self.leave::<L>(cell, false)?;
+        }
+        None
+    }
+
+    /// What ends the way, if the ray comes so far.
+    #[inline(always)]
+    fn met(&self, cell: u32, end: Found, source: u32) -> Quick {
+        if end.t <= self.limit { Quick { found: end, cell, source } } else { self.nothing(cell) }
+    }
+
+    /// Whether it may meet detail of a root before `until`.
+    #[inline(always)]
+    fn may_meet<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
+        root != NONE && (root & Leaf::BIT != 0 || self.touches::<L>(root, until, probe))
+    }
+
+    /// The end of a search for detail before `t`.
+    #[inline(always)]
+    fn until(&self, t: f64) -> f64 {
+        let until = t + NEAR;
+        if until < self.limit { until } else { self.limit }
+    }
+
+    /// The root of the detail of a cell that the ray leaves.
+    #[inline(always)]
+    pub(super) fn root(&self, cell: u32) -> u32 {
+        let step = &self.tables.steps[cell as usize];
+        if step.is_some() { step.root } else { self.tables.cells[cell as usize].root }
+    }
+
+    /// Whether the ray comes to any of a node's boxes before `until`.
+    #[inline(always)]
+    pub(super) fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
+        probe.node();
+        let slack = self.tables.scene[0].slack;
+        let until = until as f32;
+        let node = &self.tables.nodes[root as usize];
+        let direction = self.direction;
+        let inverse = inverse([direction.x as f32, direction.y as f32, direction.z as f32]);
+        let local = self.origin - DVec3::from(self.tables.scene[0].center);
+        let local = [local.x as f32, local.y as f32, local.z as f32];
+        let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
+        for axis in 0..3 {
+            let ahead = inverse[axis] >= 0.0;
+            let (enter, leave) =
+                if ahead { (&node.lo[axis], &node.hi[axis]) } else { (&node.hi[axis], &node.lo[axis]) };
+            let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
+            // Not the lesser and the greater: the box of a lane without a child is inside out.
+            near = near.max(L::load(enter).mul_sub(inverse, shift));
+            far = far.min(L::load(leave).mul_sub(inverse, shift));
+        }
+        L::bits(near.le(far)) != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn detail(&self, root: u32, from: f64, until: f64, probe: &mut impl Probe) -> Found {
+        detail(self.tables, self.ray, self.surface, root, [from, until], probe)
+    }
+
+    #[inline(always)]
+    pub(super) fn nothing(&self, cell: u32) -> Quick {
+        Quick { found: Found { t: self.limit, triangle: NONE }, cell, source: NONE }
+    }
+}
+
+/// What the ray meets of a hierarchy between two places along it.
+#[inline(never)]
+fn detail(
+    tables: &Views,
+    ray: &Ray,
+    surface: Option<&Surface>,
+    root: u32,
+    [from, until]: [f64; 2],
+    probe: &mut impl Probe,
+) -> Found {
+    let Some(way) = Way::new(tables, ray) else { return Found { t: until, triangle: NONE } };
+    let (scene, surface) = (&tables.scene[0], surface.copied());
+    // Also what is behind it by no more than rounding: that is asked about.
+    let first = from.max(0.0) - surface.map_or(0.0, |surface| surface.behind());
+    let query = Query::new(way.origin, way.direction, (first, until), 0.0, scene, root, surface);
+    probe.first(&Walk::new(tables), &query)
+}

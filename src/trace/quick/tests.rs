@@ -1,0 +1,164 @@
+//! The quick way against the careful one, on all kernels.
+
+use super::*;
+use crate::generate::{
+    Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
+};
+use crate::splitmix::SplitMix64;
+use crate::trace::kernel::Ask;
+use crate::trace::single::surface_of;
+use crate::trace::{Kernel, Place, Start, Want};
+use crate::{CompileOptions, Scene, compile};
+
+fn scene(building: &Building, style: &Style) -> Scene {
+    compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
+}
+
+fn from<'a>(cell: u32, surface: Option<&'a Surface>) -> Departure<'a> {
+    Departure { cell, surface }
+}
+
+/// Rays from the air of the zone, half of them through places in rooms, the cells in which they start.
+fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
+    let mut random = SplitMix64::new(seed);
+    let [lo, hi] = scene.hull();
+    let boxes: Vec<[[f64; 3]; 2]> = scene.rooms().map(|room| room.bounds()).chain([[lo, hi]]).collect();
+    let mut rays = Vec::new();
+    while rays.len() < count {
+        let [lo, hi] = boxes[random.below(boxes.len() as u64) as usize];
+        let from = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
+        let to = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
+        let Place::Air { cell, .. } = scene.locate(from) else { continue };
+        let way = DVec3::from(to) - DVec3::from(from);
+        let mut ray = Ray::new(from, way.to_array());
+        if random.below(4) == 0 {
+            ray.tmax = way.length();
+        }
+        rays.push((cell, ray));
+    }
+    rays
+}
+
+/// That it answers nearly all, and as the careful walk does: the same on all kernels.
+fn check(name: &str, scene: &Scene, share: f64) {
+    let rays = rays(scene, 40_000, 5);
+    let (mut quick, mut hits) = (0, 0);
+    for (cell, ray) in &rays {
+        let found: Vec<Option<Quick>> = Kernel::available()
+            .into_iter()
+            .map(|k| k.quick(Ask::First, &scene.tables, ray, &from(*cell, None)))
+            .collect();
+        let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
+        assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
+        let any = scene.kernel.quick(Ask::Any, &scene.tables, ray, &from(*cell, None));
+        let Some(Quick { found, .. }) = found[0] else { continue };
+        quick += 1;
+        let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
+        assert_eq!(found.triangle == NONE, careful.triangle == NONE, "{name}: {ray:?} {found:?} {careful:?}");
+        assert_eq!(
+            any.map(|any| any.found.triangle == NONE),
+            Some(found.triangle == NONE),
+            "{name}: {ray:?}"
+        );
+        if found.triangle != NONE {
+            hits += 1;
+            // The plane of a source's triangles is theirs to a micrometre.
+            assert!((found.t - careful.t).abs() <= 1e-6 / GRAZING, "{name}: {ray:?} {found:?} {careful:?}");
+        }
+    }
+    let answered = f64::from(quick) / rays.len() as f64;
+    assert!(answered >= share && hits > quick / 4, "{name}: {answered} of the rays, {hits} hits of {quick}");
+}
+
+#[test]
+fn it_answers_as_the_careful_walk_does() {
+    check("house", &scene(&house(&HouseOptions::default()), &Style::exact()), 0.98);
+    let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+    // With an attic under sloped roofs, a round end, an oblique wing; floors that reach over several storeys.
+    check("build1", &scene(&build1(&office(0)), &Style::exact()), 0.98);
+    check(
+        "tower",
+        &scene(&tower(&TowerOptions { office: office(0), ..TowerOptions::default() }), &Style::exact()),
+        0.9,
+    );
+    for seed in 1..4 {
+        check(&format!("random {seed}"), &scene(&random(&office(seed)), &Style::exact()), 0.9);
+        // Corners a hair aside each: hardly two triangles in one plane, and not many rays are left to it.
+        check(&format!("random cad {seed}"), &scene(&random(&office(seed)), &Style::cad(seed)), 0.1);
+    }
+}
+
+/// The same of rays from what others met, to the side that they came from, and flat along it.
+fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
+    let mut random = SplitMix64::new(11);
+    let (mut quick, mut all) = (0, 0);
+    for (cell, ray) in rays(scene, 20_000, 6) {
+        let hit = scene.trace_from(Start::Cell(cell), &ray, Want::LEAST);
+        let normal = DVec3::from(hit.normal);
+        if hit.triangle == NONE {
+            continue;
+        }
+        let mut way = DVec3::from([0, 1, 2].map(|_| random.between(-1.0, 1.0)));
+        way *= way.dot(normal).signum();
+        match random.below(8) {
+            0 => way -= normal * way.dot(normal) * 0.999,
+            1 => way = -way,
+            _ => {}
+        }
+        let mut onward = Ray::new(hit.point, way.to_array());
+        if random.below(4) == 0 {
+            onward.tmax = random.between(0.0, 4.0);
+        }
+        let surface = surface_of(&hit, DVec3::from(onward.origin), onward.tmin);
+        let ask = |kernel: Kernel| {
+            kernel.quick(Ask::First, &scene.tables, &onward, &from(hit.cell, Some(&surface)))
+        };
+        let found: Vec<Option<Quick>> = Kernel::available().into_iter().map(ask).collect();
+        let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
+        assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {onward:?} {found:?}");
+        let careful = scene.careful(Start::Hit(&hit), &onward, Want::LEAST);
+        assert_eq!(
+            scene.occluded_from(Start::Hit(&hit), &onward),
+            careful.triangle != NONE,
+            "{name}: {hit:?} {onward:?} {careful:?}"
+        );
+        all += 1;
+        let Some(Quick { found, .. }) = found[0] else { continue };
+        quick += 1;
+        let is_same = found.triangle == NONE || (found.t - careful.t).abs() <= 1e-6 / GRAZING;
+        assert!(
+            (found.triangle == NONE) == (careful.triangle == NONE) && is_same,
+            "{name}: {hit:?} {onward:?} {found:?} {careful:?}"
+        );
+    }
+    assert!(f64::from(quick) >= share * f64::from(all) && all > 10_000, "{name}: {quick} of {all} rays");
+}
+
+#[test]
+fn from_surfaces_it_answers_as_the_careful_walk_does() {
+    check_from_surfaces("house", &scene(&house(&HouseOptions::default()), &Style::exact()), 0.7);
+    let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+    check_from_surfaces("build1", &scene(&build1(&office(0)), &Style::exact()), 0.7);
+    for seed in 1..3 {
+        check_from_surfaces(&format!("random {seed}"), &scene(&random(&office(seed)), &Style::exact()), 0.6);
+        check_from_surfaces(&format!("cad {seed}"), &scene(&random(&office(seed)), &Style::cad(seed)), 0.0);
+    }
+}
+
+#[test]
+fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
+    let scene = scene(&house(&HouseOptions::default()), &Style::exact());
+    let (cell, ray) = rays(&scene, 1, 3)[0];
+    let quick = |cell: u32, ray: Ray| {
+        scene.kernel.quick(Ask::First, &scene.tables, &ray, &from(cell, None)).is_some()
+    };
+    for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));
+        assert!(!quick(cell, Ray { direction: [0.0, component, 0.0], ..ray }));
+    }
+    assert!(!quick(cell, Ray { direction: [0.0; 3], ..ray }));
+    assert!(!quick(cell, Ray { tmax: f64::NAN, ..ray }) && !quick(cell, Ray { tmin: 0.1, ..ray }));
+    assert!(!quick(0, ray) && !quick(NONE, ray));
+    let other = (0..scene.cells().len() as u32).filter(|&other| other != cell);
+    assert!(other.into_iter().all(|other| !quick(other, ray)), "a ray starts in one cell only");
+}
