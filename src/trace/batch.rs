@@ -2,10 +2,10 @@
 
 use super::kernel::{Ask, Kernel};
 use super::locate::Place;
-use super::packet::Eight;
+use super::packet::{Answers, BLOCK};
+use super::quick::Quick;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::{Start, Want};
-use crate::format::records::LANES;
 use crate::scene::Scene;
 
 /// Rays that one task takes at a time: of those that come in the order of their starts, and of others.
@@ -19,7 +19,7 @@ const RUN: usize = 4;
 const LOOKS: usize = 256;
 
 /// With fewer cells, which stay in a processor's caches, rays that start in different ones are faster one by one, as they come.
-const MANY_CELLS: usize = 1 << 13;
+const MANY_CELLS: usize = 1 << 10;
 
 /// Rays are put in the order of at most so many places.
 const PLACES: usize = 1 << 17;
@@ -82,6 +82,8 @@ struct Batch<'a> {
 enum Plan {
     /// One ray after the other.
     One,
+    /// Rays that start in different places, step by step.
+    Scatter,
     /// Eight rays that follow each other at once.
     Eight,
     /// The same in the order of the places at which they start.
@@ -174,7 +176,7 @@ impl Scene {
         self.many(
             Batch { ask: Ask::First, kernel: self.kernel, starts, rays },
             hits,
-            |eight, lane, ray| self.describe_quick(ray, &eight.get(lane), want),
+            |quick, ray| self.describe_quick(ray, quick, want),
             |start, ray| self.trace_with(self.kernel, start, ray, want),
         );
     }
@@ -201,7 +203,7 @@ impl Scene {
         self.many(
             Batch { ask: Ask::First, kernel, starts, rays },
             briefs,
-            |eight, lane, _| eight.brief(lane),
+            |quick, _| quick.brief(),
             |start, ray| self.trace_brief_with(kernel, start, ray),
         );
     }
@@ -212,7 +214,7 @@ impl Scene {
             plan,
             Batch { ask: Ask::First, kernel, starts, rays },
             briefs,
-            |eight, lane, _| eight.brief(lane),
+            |quick, _| quick.brief(),
             |start, ray| self.trace_brief_with(kernel, start, ray),
         );
     }
@@ -233,7 +235,7 @@ impl Scene {
         self.many(
             Batch { ask: Ask::Any, kernel: self.kernel, starts, rays },
             occluded,
-            |eight, lane, _| eight.is_met(lane),
+            |quick, _| quick.found.triangle != NONE,
             |start, ray| self.occluded_from(start, ray),
         );
     }
@@ -270,7 +272,7 @@ impl Scene {
         &self,
         batch: Batch<'_>,
         answers: &mut [A],
-        told: impl Fn(&Eight, usize, &Ray) -> A + Sync,
+        told: impl Fn(&Quick, &Ray) -> A + Sync,
         alone: impl Fn(Start<'_>, &Ray) -> A + Sync,
     ) {
         let Batch { starts, rays, .. } = batch;
@@ -284,8 +286,8 @@ impl Scene {
             Plan::One
         } else if !is_scattered(starts, rays) {
             Plan::Eight
-        } else if self.tables.cells.len() < MANY_CELLS {
-            Plan::One
+        } else if rays.len() <= *SCATTERED.start() || self.tables.cells.len() < MANY_CELLS {
+            Plan::Scatter
         } else {
             Plan::Sorted
         };
@@ -298,7 +300,7 @@ impl Scene {
         plan: Plan,
         batch: Batch<'_>,
         answers: &mut [A],
-        told: impl Fn(&Eight, usize, &Ray) -> A + Sync,
+        told: impl Fn(&Quick, &Ray) -> A + Sync,
         alone: impl Fn(Start<'_>, &Ray) -> A + Sync,
     ) {
         let Batch { ask, kernel, starts, rays } = batch;
@@ -308,14 +310,17 @@ impl Scene {
             Plan::Sorted => (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end()),
             _ => IN_ORDER,
         };
-        let answer = |eight: &Eight, lane: usize, starts: Starts<'_>, index: usize, ray: &Ray| {
-            if eight.known >> lane & 1 != 0 {
-                told(eight, lane, ray)
-            } else {
-                aside(|| alone(starts.of(index), ray))
-            }
+        let answer = |quick: Option<&Quick>, starts: Starts<'_>, index: usize, ray: &Ray| match quick {
+            Some(quick) => told(quick, ray),
+            None => aside(|| alone(starts.of(index), ray)),
         };
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
+            Plan::Scatter => {
+                let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
+                self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
+                    answers[index] = answer(quick, starts, index, &rays[index]);
+                });
+            }
             Plan::One => {
                 for (index, (ray, to)) in rays.iter().zip(answers).enumerate() {
                     *to = alone(starts.of(index), ray);
@@ -323,8 +328,8 @@ impl Scene {
             }
             Plan::Eight => {
                 let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
-                self.eights(ask, kernel, cells, rays, |index, lane, eight| {
-                    answers[index] = answer(eight, lane, starts, index, &rays[index]);
+                self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
+                    answers[index] = answer(quick, starts, index, &rays[index]);
                 });
             }
             Plan::Sorted => {
@@ -343,9 +348,9 @@ impl Scene {
                         *cell = told;
                     }
                 };
-                self.eights(ask, kernel, cells, &sorted, |index, lane, eight| {
+                self.blocks(ask, kernel, plan, cells, &sorted, |index, quick| {
                     let number = numbers[index].0 as usize;
-                    answers[number] = answer(eight, lane, starts, number, &sorted[index]);
+                    answers[number] = answer(quick, starts, number, &sorted[index]);
                 });
             }
         });
@@ -370,37 +375,39 @@ impl Scene {
         places_of(&keys, places)
     }
 
-    /// Looks at rays eight at a time; `cells` tells those from the i-th on, if the caller knows them. Tells a ray's number, its lane, and what they meet that is in no doubt.
-    fn eights(
+    /// Looks at rays, a block of them at a time; `cells` tells those from the i-th on, if the caller knows them. Tells a ray's number, and what
+    /// it meets that is in no doubt.
+    fn blocks(
         &self,
         ask: Ask,
         kernel: Kernel,
+        plan: Plan,
         cells: impl Fn(usize, &mut [u32]),
         rays: &[Ray],
-        mut tell: impl FnMut(usize, usize, &Eight),
+        mut tell: impl FnMut(usize, Option<&Quick>),
     ) {
+        let Some(one) = rays.first() else { return };
+        let (mut answers, mut block, mut told) = (Answers::NONE, [one; BLOCK], [NONE; BLOCK]);
         // Where the ray before started.
         let (mut known, mut last) = (NONE, ([f64::NAN; 3], NONE));
-        let mut eight = Eight::NONE;
-        for (group, rays) in rays.chunks(LANES).enumerate() {
-            let first = group * LANES;
-            let mut lanes = [&rays[0]; LANES];
-            let mut told = [NONE; LANES];
-            cells(first, &mut told[..rays.len()]);
-            for (lane, ray) in rays.iter().enumerate() {
-                lanes[lane] = ray;
-                let cell = told[lane];
-                if cell != known {
-                    known = if self.tables.is_air(cell) { cell } else { NONE };
+        for (group, rays) in rays.chunks(BLOCK).enumerate() {
+            let (first, count) = (group * BLOCK, rays.len());
+            cells(first, &mut told[..count]);
+            for ((ray, to), cell) in rays.iter().zip(&mut block).zip(&mut told) {
+                *to = ray;
+                if *cell != known {
+                    known = if self.tables.is_air(*cell) { *cell } else { NONE };
                 }
                 if known == NONE && last.0 != ray.origin {
-                    last = (ray.origin, self.free_cell_near(ray.origin, last.1).unwrap_or(NONE));
+                    let hint = if plan == Plan::Scatter { NONE } else { last.1 };
+                    last = (ray.origin, self.free_cell_near(ray.origin, hint).unwrap_or(NONE));
                 }
-                eight.cells[lane] = if known == NONE { last.1 } else { known };
+                *cell = if known == NONE { last.1 } else { known };
             }
-            kernel.packet(ask, &self.tables, &lanes, rays.len(), &mut eight);
-            for lane in 0..rays.len() {
-                tell(first + lane, lane, &eight);
+            let scattered = plan != Plan::Eight;
+            kernel.packets(ask, &self.tables, &block[..count], &told[..count], scattered, &mut answers);
+            for ray in 0..count {
+                tell(first + ray, answers.get(ray));
             }
         }
     }
@@ -408,7 +415,7 @@ impl Scene {
 
 /// Whether rays that follow each other start in different places.
 fn is_scattered(starts: Starts<'_>, rays: &[Ray]) -> bool {
-    if rays.len() <= *SCATTERED.start() {
+    if rays.len() <= BLOCK {
         return false;
     }
     let differs = |index: usize| match starts {
@@ -416,8 +423,9 @@ fn is_scattered(starts: Starts<'_>, rays: &[Ray]) -> bool {
         Starts::Cell(_) | Starts::Hits(_) => false,
         Starts::Cells(cells) => cells[index] != cells[index + 1],
     };
-    let step = (rays.len() - 1) / LOOKS;
-    (0..LOOKS).filter(|look| differs(look * step)).count() * RUN > LOOKS
+    let pairs = rays.len() - 1;
+    let looks = LOOKS.min(pairs);
+    (0..looks).filter(|look| differs(look * pairs / looks)).count() * RUN > looks
 }
 
 #[cfg(test)]

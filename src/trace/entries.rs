@@ -1,35 +1,42 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick`, `quick_from` and `packet` do is compiled for those instructions within six functions, and only there; the rest of the
+//! What `walk`, `free`, `quick`, `quick_from` and `packets` do is compiled for those instructions within six functions, and only there; the rest of the
 //! crate calls them through five others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them.
 
 use super::kernel::Probe;
 use super::lanes::{Lanes, Portable};
-use super::quick::{Exit, Quick, onward};
+use super::quick::{Exit, Quick, leave, onward};
 use super::ray::Ray;
 use crate::format::Views;
 
 /// Lanes for which what is seldom needed is compiled by itself.
 pub(super) trait Entries: Lanes {
+    /// Where a ray leaves a prism of air, in which it starts, or which it came into.
+    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit>;
+
     /// What a ray meets from a cell on, which it leaves at `exit`, that is in no doubt.
     fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick>;
 }
 
 impl Entries for Portable {
     #[inline(never)]
+    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+        leave::<Portable>(tables, ray, cell, starts)
+    }
+
+    #[inline(never)]
     fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick> {
         onward::<Portable, P>(tables, ray, cell, exit, probe)
     }
 }
 
-/// The functions `run`, `free`, `quick`, `quick_from` and `packet` of a module that has `is_available`, on these lanes.
+/// The functions `run`, `free`, `quick`, `quick_from` and `packets` of a module that has `is_available`, on these lanes.
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
-        use $crate::format::records::LANES as COUNT;
         use $crate::trace::kernel::{Ask, Probe};
         use $crate::trace::locate;
-        use $crate::trace::packet::{self, Eight};
+        use $crate::trace::packet::{self, Answers};
         use $crate::trace::entries::Entries;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
@@ -51,6 +58,11 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
+        fn leave_here(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+            quick::leave::<$lanes>(tables, ray, cell, starts)
+        }
+
+        #[target_feature(enable = $features)]
         fn onward_here<P: Probe>(
             tables: &Views,
             ray: &Ray,
@@ -63,6 +75,12 @@ macro_rules! entries {
 
         impl Entries for $lanes {
             #[inline(always)]
+            fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+                // SAFETY: lanes of this type are used by the functions here only, for which that holds.
+                unsafe { leave_here(tables, ray, cell, starts) }
+            }
+
+            #[inline(always)]
             fn onward<P: Probe>(
                 tables: &Views,
                 ray: &Ray,
@@ -70,7 +88,7 @@ macro_rules! entries {
                 exit: Exit,
                 probe: &mut P,
             ) -> Option<Quick> {
-                // SAFETY: lanes of this type are used by the functions here only, for which that holds.
+                // SAFETY: as in `leave`.
                 unsafe { onward_here(tables, ray, cell, exit, probe) }
             }
         }
@@ -87,14 +105,15 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn packet_here<P: Probe>(
+        fn packets_here<P: Probe>(
             tables: &Views,
-            rays: &[&Ray; COUNT],
-            count: usize,
-            eight: &mut Eight,
+            rays: &[&Ray],
+            cells: &[u32],
+            scattered: bool,
+            answers: &mut Answers,
             probe: &mut P,
         ) {
-            packet::packet::<$lanes, P>(tables, rays, count, eight, probe)
+            packet::packets::<$lanes, P>(tables, rays, cells, scattered, answers, probe)
         }
 
         /// The nearest hit, or some hit.
@@ -157,16 +176,17 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn packet<P: Probe>(
+        pub(super) fn packets<P: Probe>(
             tables: &Views,
-            rays: &[&Ray; COUNT],
-            count: usize,
-            eight: &mut Eight,
+            rays: &[&Ray],
+            cells: &[u32],
+            scattered: bool,
+            answers: &mut Answers,
             probe: &mut P,
         ) {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { packet_here(tables, rays, count, eight, probe) }
+            unsafe { packets_here(tables, rays, cells, scattered, answers, probe) }
         }
     };
 }

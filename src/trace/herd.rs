@@ -28,9 +28,9 @@ pub(super) struct Nearest {
 /// Rays in f32, as boxes and blocks are.
 pub(super) struct Rounded<L> {
     /// From the scene's center.
-    local: [L; 3],
+    pub(super) local: [L; 3],
     toward: [L; 3],
-    inverse: [L; 3],
+    pub(super) inverse: [L; 3],
 }
 
 impl<L: Lanes> Rounded<L> {

@@ -3,14 +3,13 @@
 use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
-use super::packet::{Eight, packet};
+use super::packet::{Answers, packets};
 use super::quick::{Quick, quick, quick_from};
 use super::ray::Ray;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
 use crate::format::Views;
-use crate::format::records::LANES;
 
 /// What is asked of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,23 +126,25 @@ impl Kernel {
         }
     }
 
-    /// The same of the first `count` of eight rays at once.
+    /// The same of up to [`BLOCK`](super::packet::BLOCK) rays, each in the air of its cell; `scattered`, if those that follow each other start
+    /// in different places.
     #[inline]
-    pub(super) fn packet(
+    pub(super) fn packets(
         self,
         ask: Ask,
         tables: &Views,
-        rays: &[&Ray; LANES],
-        count: usize,
-        eight: &mut Eight,
+        rays: &[&Ray],
+        cells: &[u32],
+        scattered: bool,
+        answers: &mut Answers,
     ) {
         let probe = &mut Plain { kernel: self, ask };
         match self.0 {
-            Set::Portable => packet::<Portable, _>(tables, rays, count, eight, probe),
+            Set::Portable => packets::<Portable, _>(tables, rays, cells, scattered, answers, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::packet(tables, rays, count, eight, probe),
+            Set::Avx2 => avx2::packets(tables, rays, cells, scattered, answers, probe),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::packet(tables, rays, count, eight, probe),
+            Set::Avx512 => avx512::packets(tables, rays, cells, scattered, answers, probe),
         }
     }
 

@@ -126,14 +126,10 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        let Quick { found, cell, .. } = match self.quick(kernel, Ask::First, start, ray) {
-            Ok(quick) => quick,
-            Err(place) => return self.brief(kernel, known(start, ray, place), ray),
-        };
-        if found.triangle == NONE {
-            return Brief::ESCAPED;
+        match self.quick(kernel, Ask::First, start, ray) {
+            Ok(quick) => quick.brief(),
+            Err(place) => self.brief(kernel, known(start, ray, place), ray),
         }
-        Brief { t: found.t, triangle: found.triangle, cell }
     }
 
     /// The same where there is doubt.

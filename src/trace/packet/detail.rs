@@ -4,7 +4,7 @@ use super::Packet;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 use crate::trace::herd::{Herd, Nearest, Rounded, together};
-use crate::trace::kernel::{Ask, Probe};
+use crate::trace::kernel::Ask;
 use crate::trace::entries::Entries;
 use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
@@ -19,38 +19,7 @@ impl<L: Entries> Packet<'_, L> {
         together::<L>(ask, &Walk::new(self.tables), &herd, rays, root, until)
     }
 
-    /// The rays that come to a box of the detail of their cells before `until`.
-    #[inline(always)]
-    pub(super) fn touched<P: Probe>(
-        &self,
-        cells: &[u32; LANES],
-        is_one: bool,
-        until: L,
-        probe: &mut P,
-    ) -> u32 {
-        let tables = self.tables;
-        if is_one {
-            let step = &tables.steps[cells[0] as usize];
-            let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
-            return self.touched_one(root, until);
-        }
-        let until = until.store();
-        let mut touched = 0;
-        for lane in super::lanes(self.under_way) {
-            let step = &tables.steps[cells[lane] as usize];
-            let root = if step.is_some() { step.root } else { tables.cells[cells[lane] as usize].root };
-            if root == NONE {
-                continue;
-            }
-            let until = f64::from(until[lane]) * (1.0 + 1e-6) + NEAR;
-            let is_touched = root & Leaf::BIT != 0
-                || self.way(lane).is_some_and(|way| way.touches::<L>(root, until, probe));
-            touched |= u32::from(is_touched) << lane;
-        }
-        touched
-    }
-
-    /// The same where that of all is one.
+    /// The rays that come to a box of a root before `until`.
     #[inline(always)]
     pub(super) fn touched_one(&self, root: u32, until: L) -> u32 {
         match root {

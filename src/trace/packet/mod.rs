@@ -1,33 +1,36 @@
-//! The quick way of eight rays at once, each in its own prism.
+//! The quick way of eight rays at once.
 //!
 //! A lane is a ray: all of them are taken out of their prisms by the same instructions, in f32. Where that is in doubt, more so than
 //! `quick` would be, the ray is asked about by `quick` itself; and what a face holds, or detail, is looked up by what `quick` uses. So it
 //! answers the same, to the last bit, on every kernel.
 //!
-//! Rays that leave one prism through one face stay together, and nothing is done for one of them alone; of others each link is looked up
-//! by itself. No closure has lanes in it: not all of them are inlined, and what is not has no registers for them.
+//! Rays of one prism that leave it through one face stay together, and nothing is done for one of them alone. Of others each link is looked
+//! up by itself; those that go on are gathered until there are eight again. One scattered ray after the other would take longer: each of
+//! its steps waits for the one before, and where it goes cannot be foreseen.
+//!
+//! No closure has lanes in it: not all of them are inlined, and what is not has no registers for them.
 
+mod answers;
+mod apart;
 mod crossing;
 mod detail;
-mod eight;
 mod links;
 mod plates;
 
 use super::NONE;
 use super::entries::Entries;
-use super::herd::Nearest;
 use super::kernel::Probe;
 use super::lanes::{Lanes, Wide};
-use super::path::NEAR;
-use super::quick::{COARSEST, DOWN, GRAZING, Passage, Quick, STEEPEST, UNIT, Way, is_split};
+use super::quick::{COARSEST, DOWN, GRAZING, Quick, STEEPEST, UNIT, is_split};
 use super::ray::Ray;
 use super::step::Step;
 use super::walk::Found;
 use crate::format::Views;
 use crate::format::records::LANES;
-use crossing::{Crossed, One, Own};
-pub(super) use eight::Eight;
-use plates::{Plates, dot};
+use answers::{Group, Pool};
+pub(super) use answers::{Answers, BLOCK};
+use crossing::{Crossed, One};
+use plates::dot;
 
 /// Fewer rays are no packet.
 const FEW: u32 = 2;
@@ -47,41 +50,58 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What the first `count` rays meet that is in no doubt, each starting in its cell.
+/// What up to [`BLOCK`] rays meet that is in no doubt, each starting in the air of its cell. Those that follow each other are looked at
+/// together, unless they are `scattered`.
 #[inline(always)]
-pub(super) fn packet<L: Entries, P: Probe>(
+pub(super) fn packets<L: Entries, P: Probe>(
     tables: &Views,
-    rays: &[&Ray; LANES],
-    count: usize,
-    eight: &mut Eight,
+    rays: &[&Ray],
+    cells: &[u32],
+    scattered: bool,
+    answers: &mut Answers,
     probe: &mut P,
 ) {
-    eight.known = 0;
-    let mut packet = Packet::<L>::new(tables, rays);
-    packet.under_way &= ALL >> (LANES - count);
-    if eight.cells.iter().fold(0, |most, &cell| cell.max(most)) as usize >= tables.steps.len() {
-        for (lane, &cell) in eight.cells.iter().enumerate() {
-            packet.under_way &= !(u32::from(cell as usize >= tables.steps.len()) << lane);
+    answers.clear();
+    let mut pool = Pool::NONE;
+    for (ray, &cell) in cells.iter().enumerate().take(rays.len().min(BLOCK)) {
+        if (cell as usize) < tables.steps.len() {
+            pool.push(ray as u8, cell);
         }
     }
-    if packet.under_way == 0 || tables.scene[0].lattice_bits < COARSEST {
+    if tables.scene[0].lattice_bits < COARSEST {
         return;
     }
-    packet.step::<true, P>(eight, probe);
-    // Each once.
-    for _ in 1..tables.cells.len() {
-        if packet.under_way.count_ones() <= FEW {
+    let mut starts = true;
+    // Each cell once.
+    for _ in 0..tables.cells.len() {
+        if pool.len <= FEW as usize && !starts {
             break;
         }
-        packet.step::<false, P>(eight, probe);
+        let mut next = Pool::NONE;
+        for first in (0..pool.len).step_by(LANES) {
+            let count = (pool.len - first).min(LANES);
+            let (mut numbers, mut cells) = ([pool.ray[first]; LANES], [pool.cell[first]; LANES]);
+            for lane in 0..count {
+                (numbers[lane], cells[lane]) = (pool.ray[first + lane], pool.cell[first + lane]);
+            }
+            let mut own = [rays[0]; LANES];
+            for lane in 0..LANES {
+                own[lane] = rays[usize::from(numbers[lane]) % BLOCK];
+            }
+            let mut packet = Packet::<L>::new(tables, &own);
+            packet.under_way &= ALL >> (LANES - count);
+            let group = Group { numbers, cells, answers, next: &mut next };
+            packet.run(group, starts, scattered, probe);
+        }
+        (pool, starts) = (next, false);
     }
-    for lane in lanes(packet.under_way) {
-        let cell = eight.cells[lane];
-        if let Some(way) = packet.way(lane)
-            && let Some(exit) = way.leave::<L>(cell, false)
-            && let Some(quick) = L::onward(tables, rays[lane], cell, exit, probe)
+    for at in 0..pool.len {
+        let (number, cell) = (pool.ray[at], pool.cell[at]);
+        let ray = rays[usize::from(number) % BLOCK];
+        if let Some(exit) = L::leave(tables, ray, cell, starts)
+            && let Some(quick) = L::onward(tables, ray, cell, exit, probe)
         {
-            eight.put(lane, &quick, way.limit);
+            answers.put(number, quick);
         }
     }
 }
@@ -162,48 +182,38 @@ impl<'a, L: Entries> Packet<'a, L> {
         }
     }
 
-    /// A ray by itself.
+    /// Takes the rays through prisms together as long as they are in one, and leave it one way; then out of those in which they are then.
     #[inline(always)]
-    fn way(&self, lane: usize) -> Option<Way<'a>> {
-        Way::new(self.tables, self.rays[lane])
-    }
-
-    /// Takes the rays out of their prisms: some of them end there.
-    #[inline(always)]
-    fn step<const FIRST: bool, P: Probe>(&mut self, eight: &mut Eight, probe: &mut P) {
+    fn run<P: Probe>(&mut self, mut group: Group<'_>, mut starts: bool, scattered: bool, probe: &mut P) {
         let tables = self.tables;
-        let steps = &tables.steps;
-        let lead = eight.cells[self.under_way.trailing_zeros() as usize];
-        if self.under_way != ALL {
-            for (lane, cell) in eight.cells.iter_mut().enumerate() {
-                *cell = if self.under_way >> lane & 1 == 0 { lead } else { *cell };
-            }
+        let lead = group.cells[0];
+        if scattered || group.cells.iter().fold(0, |differ, cell| differ | (cell ^ lead)) != 0 {
+            let crossed = if starts {
+                self.cross_own::<true>(&group.cells)
+            } else {
+                self.cross_own::<false>(&group.cells)
+            };
+            self.apart(&crossed, starts, &mut group, probe);
+            return;
         }
-        let is_one = eight.cells.iter().fold(0, |differ, cell| differ | (cell ^ lead)) == 0;
-        let crossed;
-        if is_one {
-            let step = &steps[lead as usize];
+        for _ in 0..tables.cells.len() {
+            let step = &tables.steps[group.cells[0] as usize];
             let [floor, ceiling] = step.height;
             let (floor, ceiling) = (L::splat(floor), L::splat(ceiling));
-            crossed = self.cross::<FIRST>(step.corners.into(), &One(step), floor, ceiling);
-            if self.together(step, &crossed, eight, probe) {
+            let crossed = if starts {
+                self.cross::<true>(step.corners.into(), &One(step), floor, ceiling)
+            } else {
+                self.cross::<false>(step.corners.into(), &One(step), floor, ceiling)
+            };
+            if self.under_way == 0 {
                 return;
             }
-        } else {
-            let mut rows = [[L::splat(0.0); LANES]; 2];
-            let mut heights = [[0.0; LANES]; 2];
-            let mut count = 0;
-            for (lane, &cell) in eight.cells.iter().enumerate() {
-                let step = &steps[cell as usize];
-                (rows[0][lane], rows[1][lane]) = (L::load(&step.x), L::load(&step.y));
-                (heights[0][lane], heights[1][lane]) = (step.height[0], step.height[1]);
-                count = step.corners.max(count);
+            if !step.is_some() || !self.together(step, &crossed, &mut group, probe) {
+                self.apart(&crossed, starts, &mut group, probe);
+                return;
             }
-            let own = Own { x: L::transpose(rows[0]), y: L::transpose(rows[1]) };
-            let (floor, ceiling) = (L::load(&heights[0]), L::load(&heights[1]));
-            crossed = self.cross::<FIRST>(count.into(), &own, floor, ceiling);
+            starts = false;
         }
-        self.apart::<FIRST, P>(&crossed, is_one, eight, probe);
     }
 
     /// Ends the ways of all rays, or takes them all into the next prism, where they leave theirs the same way; whether they do.
@@ -212,7 +222,7 @@ impl<'a, L: Entries> Packet<'a, L> {
         &mut self,
         step: &Step,
         crossed: &Crossed<L>,
-        eight: &mut Eight,
+        group: &mut Group<'_>,
         probe: &mut P,
     ) -> bool {
         let all = self.under_way;
@@ -231,7 +241,7 @@ impl<'a, L: Entries> Packet<'a, L> {
         } else if all & !crossed.known != 0 {
             return false;
         } else if link == Step::PARTS && edge >= LANES {
-            match self.cover_together(eight.cells[0], edge == DOWN, crossed.t) {
+            match self.cover_together(group.cells[0], edge == DOWN, crossed.t) {
                 Some(found) => link = found,
                 None => return false,
             }
@@ -246,20 +256,18 @@ impl<'a, L: Entries> Packet<'a, L> {
                 return false;
             }
             let touched = self.touched_one(step.root, exit);
-            if touched.count_ones() > FEW {
+            if touched != 0 {
                 let found = self.detail(probe.ask(), touched, step.root, self.passes(step, edge));
                 for lane in lanes(touched) {
                     if found.triangle[lane] != NONE {
                         let met = Found { t: found.t[lane], triangle: found.triangle[lane] };
-                        let quick = Quick { found: met, cell: eight.cells[lane], source: NONE };
-                        eight.put(lane, &quick, self.rays[lane].tmax);
+                        let quick = Quick { found: met, cell: group.cells[lane], source: NONE };
+                        group.put(lane, quick, self.rays[lane].tmax);
                         self.under_way &= !(1 << lane);
                     }
                 }
-            } else if touched != 0 {
-                return false;
             }
-            eight.cells = [link; LANES];
+            group.cells = [link; LANES];
             return true;
         }
         let source = link & !Step::PLATE;
@@ -274,176 +282,21 @@ impl<'a, L: Entries> Packet<'a, L> {
         }
         let touched = self.touched_one(step.root, L::narrow(t.min(self.limit)));
         let met = t.store();
-        if t.le(self.limit) == ALL && all == ALL {
-            (eight.t, eight.known) = (met, ALL);
-            (eight.triangle, eight.source) = ([plate.triangle; LANES], [source; LANES]);
-            eight.cell = eight.cells;
-        } else {
-            for lane in lanes(all) {
-                let found = Found { t: met[lane], triangle: plate.triangle };
-                eight.put(lane, &Quick { found, cell: eight.cells[lane], source }, self.rays[lane].tmax);
-            }
+        for lane in lanes(all) {
+            let found = Found { t: met[lane], triangle: plate.triangle };
+            group.put(lane, Quick { found, cell: group.cells[lane], source }, self.rays[lane].tmax);
         }
-        if touched.count_ones() > FEW {
+        if touched != 0 {
             let found = self.detail(probe.ask(), touched, step.root, t);
             for lane in lanes(touched) {
                 let found = Found { t: found.t[lane], triangle: found.triangle[lane] };
                 if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
-                    let quick = Quick { found, cell: eight.cells[lane], source: NONE };
-                    eight.put(lane, &quick, self.rays[lane].tmax);
+                    let quick = Quick { found, cell: group.cells[lane], source: NONE };
+                    group.put(lane, quick, self.rays[lane].tmax);
                 }
-            }
-            self.under_way = 0;
-            return true;
-        }
-        for lane in lanes(touched) {
-            let Some(way) = self.way(lane) else {
-                eight.known &= !(1 << lane);
-                continue;
-            };
-            let found = way.detail(step.root, 0.0, (met[lane] + NEAR).min(way.limit), probe);
-            if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
-                eight.put(lane, &Quick { found, cell: eight.cells[lane], source: NONE }, way.limit);
             }
         }
         self.under_way = 0;
         true
-    }
-
-    /// Ends the ways of some rays, and takes the others into the next prisms.
-    #[inline(always)]
-    fn apart<const FIRST: bool, P: Probe>(
-        &mut self,
-        crossed: &Crossed<L>,
-        is_one: bool,
-        eight: &mut Eight,
-        probe: &mut P,
-    ) {
-        let tables = self.tables;
-        let cells = eight.cells;
-        let edges = crossed.edge.store();
-        let [right, left] = [crossed.right.store(), crossed.left.store()];
-        let (height, blur, least) = (crossed.height.store(), crossed.blur.store(), self.least().store());
-        // What matters of detail is before this.
-        let mut until = crossed.t.add(crossed.off).store();
-        let mut links = [0; LANES];
-        // Those whose way out was looked for by itself.
-        let (mut alone, mut exits) = (0, [0.0; LANES]);
-        let mut plates = Plates::new();
-        for lane in lanes(self.under_way) {
-            let bit = 1 << lane;
-            let (step, edge) = (&tables.steps[cells[lane] as usize], edges[lane].to_bits() as usize);
-            let mut link = Step::OTHER;
-            if (crossed.known | crossed.through_side) & bit != 0 {
-                link = step.links[edge];
-                if is_split(link) {
-                    let sides = [right[lane], left[lane]];
-                    let passage =
-                        Passage { sides, least: least[lane], height: height[lane], blur: blur[lane] };
-                    let part = passage.part::<L>(tables, link & !Step::SPLIT);
-                    link = part.unwrap_or(Step::OTHER);
-                } else if crossed.known & bit == 0 {
-                    link = Step::OTHER;
-                }
-            }
-            if link >= Step::AROUND {
-                self.under_way &= !bit;
-                alone |= bit;
-                let Some(way) = self.way(lane) else { continue };
-                let is_within = !FIRST || (crossed.known | crossed.through_side) & bit != 0;
-                let exit = way.leave::<L>(cells[lane], !is_within);
-                let Some(exit) = exit else { continue };
-                if exit.link == Step::AROUND {
-                    if let Some(quick) = L::onward(tables, self.rays[lane], cells[lane], exit, probe) {
-                        eight.put(lane, &quick, way.limit);
-                    }
-                    continue;
-                }
-                self.under_way |= bit;
-                link = exit.link;
-                exits[lane] = way.exact(cells[lane], exit);
-                until[lane] = (exits[lane] + exits[lane].abs() * 1e-6 + NEAR) as f32;
-            }
-            if link & Step::PLATE != 0 && !plates.add(tables, lane, link & !Step::PLATE) {
-                self.under_way &= !bit;
-            }
-            links[lane] = link;
-        }
-        let limits = L::narrow(self.limit);
-        let mut until = L::load(&until).min(limits);
-        let mut t = [f64::INFINITY; LANES];
-        if plates.lanes != 0 {
-            let (sure, met) = plates.meet(&self.origin, &self.direction);
-            self.under_way &= sure | !plates.lanes;
-            // Where there is no plate the way out counts.
-            let (met, nearest) = (met.store(), L::narrow(met.min(self.limit)).store());
-            let mut ends = until.store();
-            for lane in lanes(plates.lanes) {
-                (t[lane], ends[lane]) = (met[lane], nearest[lane]);
-            }
-            until = L::load(&ends);
-        }
-        let mut touched = self.touched(&cells, is_one, until, probe);
-        // Where each leaves, and what it meets before.
-        let mut met = Nearest { t, triangle: [NONE; LANES] };
-        for lane in lanes(touched & !plates.lanes) {
-            let (cell, bit) = (cells[lane], 1 << lane);
-            if alone & bit == 0 {
-                let Some(way) = self.way(lane) else {
-                    self.under_way &= !bit;
-                    touched &= !bit;
-                    continue;
-                };
-                exits[lane] = way.passes(&tables.steps[cell as usize], edges[lane].to_bits() as usize);
-            }
-            met.t[lane] = exits[lane];
-        }
-        let is_herd = is_one && touched.count_ones() > FEW;
-        if is_herd {
-            let step = &tables.steps[cells[0] as usize];
-            let root = if step.is_some() { step.root } else { tables.cells[cells[0] as usize].root };
-            met = self.detail(probe.ask(), touched, root, L::Wide::load(&met.t));
-        }
-        for lane in lanes(touched) {
-            let (cell, bit) = (cells[lane], 1 << lane);
-            let end = Found { t: t[lane], triangle: plates.triangle[lane] };
-            let found = if is_herd {
-                Found { t: met.t[lane], triangle: met.triangle[lane] }
-            } else if let Some(way) = self.way(lane) {
-                way.detail(way.root(cell), 0.0, (met.t[lane] + NEAR).min(way.limit), probe)
-            } else {
-                self.under_way &= !bit;
-                continue;
-            };
-            if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
-                (t[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
-                plates.lanes |= bit;
-            }
-        }
-        let ended = plates.lanes & self.under_way;
-        for lane in lanes(ended) {
-            let found = Found { t: t[lane], triangle: plates.triangle[lane] };
-            let quick = Quick { found, cell: cells[lane], source: plates.source[lane] };
-            eight.put(lane, &quick, self.rays[lane].tmax);
-        }
-        self.under_way &= !ended;
-        // Where cells say that a ray is too far, the triangles may say that it is not yet.
-        let is_near = L::bits(crossed.t.add(crossed.off).le(limits)) & !alone;
-        for lane in lanes(self.under_way & !is_near) {
-            let bit = 1 << lane;
-            let Some(way) = self.way(lane) else {
-                self.under_way &= !bit;
-                continue;
-            };
-            if alone & bit == 0 {
-                let step = &tables.steps[cells[lane] as usize];
-                exits[lane] = way.passes(step, edges[lane].to_bits() as usize);
-            }
-            if exits[lane] > way.limit + tables.scene[0].tolerance {
-                eight.put(lane, &way.nothing(cells[lane]), way.limit);
-                self.under_way &= !bit;
-            }
-        }
-        eight.cells = links;
     }
 }

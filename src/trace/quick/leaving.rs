@@ -42,6 +42,21 @@ const EXACT: u32 = u32::MAX;
 const WITHIN: f32 = 1.25 * BLURRED as f32;
 
 impl Exit {
+    /// Of no ray.
+    pub(in crate::trace) const NONE: Exit = Exit { link: Step::OTHER, by: EXACT, t: 0.0, off: 0.0, exact: 0.0 };
+
+    /// Through an edge of a simple prism, its floor or its ceiling, wherever that leads.
+    #[inline(always)]
+    pub(in crate::trace) fn through(by: u32) -> Exit {
+        Exit { by, ..Exit::NONE }
+    }
+
+    /// Where a ray leaves the cell, to rounding of f64.
+    #[inline(always)]
+    pub(in crate::trace) fn exact_of(&self, tables: &Views, ray: &Ray, cell: u32) -> f64 {
+        if self.by == EXACT { self.exact } else { exact(tables, ray, cell, self.by) }
+    }
+
     fn exact(t: f64, link: u32) -> Exit {
         let rounded = t as f32;
         Exit { link, by: EXACT, t: rounded, off: rounded.abs() * f32::EPSILON, exact: t }
@@ -55,7 +70,7 @@ impl Exit {
 
     /// It does not leave after.
     #[inline(always)]
-    pub(super) fn at_most(&self) -> f64 {
+    pub(in crate::trace) fn at_most(&self) -> f64 {
         f64::from(self.t) + f64::from(self.off)
     }
 }
@@ -224,7 +239,7 @@ impl Way<'_> {
     /// Where the ray leaves a prism at an exit of it.
     #[inline(always)]
     pub(in crate::trace) fn exact(&self, cell: u32, exit: Exit) -> f64 {
-        if exit.by == EXACT { exit.exact } else { exact(self.tables, self.ray, cell, exit.by) }
+        exit.exact_of(self.tables, self.ray, cell)
     }
 
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.

@@ -22,7 +22,7 @@ use super::kernel::Probe;
 use super::lanes::Lanes;
 use super::locate::beyond;
 use super::path::{BLURRED, NEAR};
-use super::ray::Ray;
+use super::ray::{Brief, Ray};
 use super::step::Step;
 use super::walk::{Found, Query, Surface, Walk, inverse};
 use crate::format::Views;
@@ -56,6 +56,15 @@ pub(super) struct Quick {
     pub(super) source: u32,
 }
 
+impl Quick {
+    /// The same in brief.
+    #[inline(always)]
+    pub(super) fn brief(&self) -> Brief {
+        let Quick { found, cell, .. } = *self;
+        if found.triangle == NONE { Brief::ESCAPED } else { Brief { t: found.t, triangle: found.triangle, cell } }
+    }
+}
+
 /// What the ray meets first, or something where the `probe` looks for any; it starts in the air of a cell. `None` where there is doubt.
 #[inline(always)]
 pub(super) fn quick<L: Entries, P: Probe>(
@@ -81,6 +90,12 @@ pub(super) fn quick<L: Entries, P: Probe>(
         }
     }
     Some(way.met(cell, end, source))
+}
+
+/// Where a ray leaves a prism of air, in which it starts, or which it came into.
+#[inline(always)]
+pub(super) fn leave<L: Lanes>(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+    Way::new(tables, ray)?.leave::<L>(cell, starts)
 }
 
 /// What a ray meets from a cell on, which it leaves at `exit`.
@@ -260,8 +275,7 @@ impl<'a> Way<'a> {
     /// The end of a search for detail before `t`.
     #[inline(always)]
     fn until(&self, t: f64) -> f64 {
-        let until = t + NEAR;
-        if until < self.limit { until } else { self.limit }
+        until(t, self.limit)
     }
 
     /// The root of the detail of a cell that the ray leaves.
@@ -275,24 +289,7 @@ impl<'a> Way<'a> {
     #[inline(always)]
     pub(super) fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
         probe.node();
-        let slack = self.tables.scene[0].slack;
-        let until = until as f32;
-        let node = &self.tables.nodes[root as usize];
-        let direction = self.direction;
-        let inverse = inverse([direction.x as f32, direction.y as f32, direction.z as f32]);
-        let local = self.origin - DVec3::from(self.tables.scene[0].center);
-        let local = [local.x as f32, local.y as f32, local.z as f32];
-        let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
-        for axis in 0..3 {
-            let ahead = inverse[axis] >= 0.0;
-            let (enter, leave) =
-                if ahead { (&node.lo[axis], &node.hi[axis]) } else { (&node.hi[axis], &node.lo[axis]) };
-            let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
-            // Not the lesser and the greater: the box of a lane without a child is inside out.
-            near = near.max(L::load(enter).mul_sub(inverse, shift));
-            far = far.min(L::load(leave).mul_sub(inverse, shift));
-        }
-        L::bits(near.le(far)) != 0
+        touches::<L>(self.tables, self.origin, self.direction, root, until)
     }
 
     #[inline(always)]
@@ -302,13 +299,48 @@ impl<'a> Way<'a> {
 
     #[inline(always)]
     pub(super) fn nothing(&self, cell: u32) -> Quick {
-        Quick { found: Found { t: self.limit, triangle: NONE }, cell, source: NONE }
+        nothing(self.limit, cell)
     }
+}
+
+/// The end of a search for detail before `t`.
+#[inline(always)]
+fn until(t: f64, limit: f64) -> f64 {
+    let until = t + NEAR;
+    if until < limit { until } else { limit }
+}
+
+/// That a ray ends at `limit`, in a cell.
+#[inline(always)]
+pub(super) fn nothing(limit: f64, cell: u32) -> Quick {
+    Quick { found: Found { t: limit, triangle: NONE }, cell, source: NONE }
+}
+
+/// Whether a ray comes to any of a node's boxes before `until`.
+#[inline(always)]
+fn touches<L: Lanes>(tables: &Views, origin: DVec3, direction: DVec3, root: u32, until: f64) -> bool {
+    let scene = &tables.scene[0];
+    let (slack, until) = (scene.slack, until as f32);
+    let node = &tables.nodes[root as usize];
+    let inverse = inverse([direction.x as f32, direction.y as f32, direction.z as f32]);
+    let local = origin - DVec3::from(scene.center);
+    let local = [local.x as f32, local.y as f32, local.z as f32];
+    let sides = [&node.lo, &node.hi];
+    let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
+    for axis in 0..3 {
+        // Not the lesser and the greater: the box of a lane without a child is inside out.
+        let back = usize::from(inverse[axis] < 0.0);
+        let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
+        let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
+        near = near.max(enter.mul_sub(inverse, shift));
+        far = far.min(leave.mul_sub(inverse, shift));
+    }
+    L::bits(near.le(far)) != 0
 }
 
 /// What the ray meets of a hierarchy between two places along it.
 #[inline(never)]
-fn detail(
+pub(super) fn detail(
     tables: &Views,
     ray: &Ray,
     surface: Option<&Surface>,

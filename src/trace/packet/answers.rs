@@ -1,0 +1,74 @@
+//! What rays meet, and those that are under way.
+
+use crate::format::records::LANES;
+use crate::trace::NONE;
+use crate::trace::quick::{Quick, nothing};
+use crate::trace::walk::Found;
+
+/// So many rays are looked at together at most.
+pub(in crate::trace) const BLOCK: usize = 64;
+
+/// What up to [`BLOCK`] rays meet. Ray i is bit i of masks.
+pub(in crate::trace) struct Answers {
+    known: u64,
+    quick: [Quick; BLOCK],
+}
+
+impl Answers {
+    pub(in crate::trace) const NONE: Answers = Answers {
+        known: 0,
+        quick: [Quick { found: Found { t: 0.0, triangle: NONE }, cell: NONE, source: NONE }; BLOCK],
+    };
+
+    /// That of a ray, if it is in no doubt.
+    #[inline(always)]
+    pub(in crate::trace) fn get(&self, ray: usize) -> Option<&Quick> {
+        (self.known >> ray & 1 != 0).then(|| &self.quick[ray % BLOCK])
+    }
+
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.known = 0;
+    }
+
+    #[inline(always)]
+    pub(super) fn put(&mut self, ray: u8, quick: Quick) {
+        self.quick[usize::from(ray) % BLOCK] = quick;
+        self.known |= 1 << ray;
+    }
+}
+
+/// Rays under way, and the cells in which they are.
+pub(super) struct Pool {
+    pub(super) ray: [u8; BLOCK],
+    pub(super) cell: [u32; BLOCK],
+    pub(super) len: usize,
+}
+
+impl Pool {
+    pub(super) const NONE: Pool = Pool { ray: [0; BLOCK], cell: [NONE; BLOCK], len: 0 };
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, ray: u8, cell: u32) {
+        (self.ray[self.len % BLOCK], self.cell[self.len % BLOCK]) = (ray, cell);
+        self.len += 1;
+    }
+}
+
+/// Eight of the rays, by lane, and where what becomes of them is noted.
+pub(super) struct Group<'a> {
+    pub(super) numbers: [u8; LANES],
+    pub(super) cells: [u32; LANES],
+    pub(super) answers: &'a mut Answers,
+    /// Those that go on by themselves.
+    pub(super) next: &'a mut Pool,
+}
+
+impl Group<'_> {
+    /// What ends the way of a ray that ends at `limit`.
+    #[inline(always)]
+    pub(super) fn put(&mut self, lane: usize, quick: Quick, limit: f64) {
+        let is_met = quick.found.triangle != NONE && quick.found.t <= limit;
+        self.answers.put(self.numbers[lane], if is_met { quick } else { nothing(limit, quick.cell) });
+    }
+}

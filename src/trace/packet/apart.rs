@@ -1,0 +1,213 @@
+//! Rays that leave prisms each its own way.
+
+use super::answers::Group;
+use super::crossing::{Crossed, Own};
+use super::plates::Plates;
+use super::{Packet, lanes};
+use crate::format::records::{LANES, Leaf, NodeRecord};
+use crate::trace::NONE;
+use crate::trace::entries::Entries;
+use crate::trace::herd::Rounded;
+use crate::trace::kernel::Probe;
+use crate::trace::lanes::{Lanes, Wide};
+use crate::trace::path::NEAR;
+use crate::trace::quick::{Exit, Passage, Quick, detail, is_split, nothing};
+use crate::trace::step::Step;
+use crate::trace::walk::Found;
+
+/// The rays as boxes of detail need them.
+struct Boxed {
+    local: [[f32; LANES]; 3],
+    inverse: [[f32; LANES]; 3],
+    slack: f32,
+}
+
+impl Boxed {
+    /// Whether a ray comes to any of a node's boxes before `until`.
+    #[inline(always)]
+    fn touches<L: Lanes>(&self, lane: usize, node: &NodeRecord, until: f32) -> bool {
+        let sides = [&node.lo, &node.hi];
+        let mut near = L::splat(-self.slack);
+        let mut far = L::splat(until + until * 2e-6 + self.slack);
+        for axis in 0..3 {
+            let (local, inverse) = (self.local[axis][lane], self.inverse[axis][lane]);
+            // Not the lesser and the greater: the box of a lane without a child is inside out.
+            let back = usize::from(inverse < 0.0);
+            let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
+            let (inverse, shift) = (L::splat(inverse), L::splat(local * inverse));
+            near = near.max(enter.mul_sub(inverse, shift));
+            far = far.min(leave.mul_sub(inverse, shift));
+        }
+        L::bits(near.le(far)) != 0
+    }
+}
+
+impl<L: Entries> Packet<'_, L> {
+    /// Takes the rays out of their prisms, where they cross them so: ends the ways of some there, and puts the others into the pool.
+    #[inline(always)]
+    pub(super) fn apart<P: Probe>(
+        &self,
+        crossed: &Crossed<L>,
+        starts: bool,
+        group: &mut Group<'_>,
+        probe: &mut P,
+    ) {
+        let tables = self.tables;
+        let steps: &[Step] = &tables.steps;
+        let cells = group.cells;
+        // Where each leads, and the root of its detail.
+        let edges = crossed.edge.store();
+        let (mut links, mut roots) = ([Step::OTHER; LANES], [NONE; LANES]);
+        let (mut split, mut parts, mut simple) = (0, 0, 0);
+        for lane in 0..LANES {
+            let step = &steps[cells[lane] as usize];
+            let link = step.links[(edges[lane].to_bits() as usize).min(LANES + 1)];
+            (links[lane], roots[lane]) = (link, step.root);
+            split |= u32::from(is_split(link)) << lane;
+            parts |= u32::from(link >= Step::AROUND) << lane;
+            simple |= u32::from(step.is_some()) << lane;
+        }
+        let mut ready = self.under_way & simple & crossed.known & !split & !parts;
+        let splits = self.under_way & simple & crossed.through_side & split;
+        if splits != 0 {
+            ready |= self.parts(splits, crossed, &mut links);
+        }
+        // The others by themselves.
+        let (mut alone, mut exits) = (0, [Exit::NONE; LANES]);
+        let ends = crossed.t.add(crossed.off);
+        let mut until = ends.store();
+        for lane in lanes(self.under_way & !ready) {
+            let Some(exit) = L::leave(tables, self.rays[lane], cells[lane], starts) else { continue };
+            if exit.link >= Step::AROUND {
+                if let Some(quick) = L::onward(tables, self.rays[lane], cells[lane], exit, probe) {
+                    group.answers.put(group.numbers[lane], quick);
+                }
+                continue;
+            }
+            (alone, ready) = (alone | 1 << lane, ready | 1 << lane);
+            (links[lane], exits[lane], until[lane]) = (exit.link, exit, exit.at_most().next_up() as f32);
+            if simple >> lane & 1 == 0 {
+                roots[lane] = tables.cells[cells[lane] as usize].root;
+            }
+        }
+        let mut ended = 0;
+        for lane in 0..LANES {
+            ended |= (links[lane] >> 31) << lane;
+        }
+        ended &= ready;
+        let mut plates = Plates::new();
+        for lane in lanes(ended) {
+            if !plates.add(tables, lane, links[lane] & !Step::PLATE) {
+                ready &= !(1 << lane);
+            }
+        }
+        let (sure, met) = plates.meet(&self.origin, &self.direction);
+        ready &= sure | !ended;
+        ended &= ready;
+        let mut t = met.store();
+        let nearest = L::narrow(met.min(self.limit)).store();
+        let limits = L::narrow(self.limit);
+        let mut roots_there = 0;
+        for lane in 0..LANES {
+            until[lane] = if ended >> lane & 1 != 0 { nearest[lane] } else { until[lane] };
+            roots_there |= u32::from(roots[lane] != NONE) << lane;
+        }
+        roots_there &= ready;
+        if roots_there != 0 {
+            let scene = &tables.scene[0];
+            let rounded = Rounded::<L>::new(scene, &self.origin, &self.direction);
+            let boxed = Boxed {
+                local: rounded.local.map(L::store),
+                inverse: rounded.inverse.map(L::store),
+                slack: scene.slack,
+            };
+            let until = L::load(&until).min(limits).store();
+            let mut touched = 0;
+            for lane in lanes(roots_there) {
+                let root = roots[lane];
+                let is_touched = root & Leaf::BIT != 0
+                    || boxed.touches::<L>(lane, &tables.nodes[root as usize], until[lane]);
+                touched |= u32::from(is_touched) << lane;
+            }
+            for lane in lanes(touched) {
+                let (ray, is_end) = (self.rays[lane], ended >> lane & 1 != 0);
+                let end = if is_end {
+                    Found { t: t[lane], triangle: plates.triangle[lane] }
+                } else {
+                    Found { t: f64::INFINITY, triangle: NONE }
+                };
+                let before = if is_end {
+                    end.t
+                } else if alone >> lane & 1 != 0 {
+                    exits[lane].exact_of(tables, ray, cells[lane])
+                } else {
+                    Exit::through(edges[lane].to_bits()).exact_of(tables, ray, cells[lane])
+                };
+                let before = (before + NEAR).min(ray.tmax);
+                let found = detail(tables, ray, None, roots[lane], [0.0, before], probe);
+                if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
+                    (t[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
+                    ended |= 1 << lane;
+                }
+            }
+        }
+        for lane in lanes(ended) {
+            let found = Found { t: t[lane], triangle: plates.triangle[lane] };
+            let quick = Quick { found, cell: cells[lane], source: plates.source[lane] };
+            group.put(lane, quick, self.rays[lane].tmax);
+        }
+        let onward = ready & !ended;
+        // Where cells say that a ray is too far, the triangles may say that it is not yet.
+        let is_near = L::bits(ends.le(limits)) & !alone;
+        for lane in lanes(onward & !is_near) {
+            let ray = self.rays[lane];
+            let exit = if alone >> lane & 1 != 0 { exits[lane] } else { Exit::through(edges[lane].to_bits()) };
+            if exit.exact_of(tables, ray, cells[lane]) > ray.tmax + tables.scene[0].tolerance {
+                group.answers.put(group.numbers[lane], nothing(ray.tmax, cells[lane]));
+                links[lane] = NONE;
+            }
+        }
+        for lane in lanes(onward) {
+            if links[lane] != NONE {
+                group.next.push(group.numbers[lane], links[lane]);
+            }
+        }
+    }
+
+    /// Where the rays leave prisms of their own.
+    #[inline(always)]
+    pub(super) fn cross_own<const FIRST: bool>(&self, cells: &[u32; LANES]) -> Crossed<L> {
+        let mut rows = [[L::splat(0.0); LANES]; 2];
+        let mut heights = [[0.0; LANES]; 2];
+        let mut count = 0;
+        for (lane, &cell) in cells.iter().enumerate() {
+            let step = &self.tables.steps[cell as usize];
+            (rows[0][lane], rows[1][lane]) = (L::load(&step.x), L::load(&step.y));
+            (heights[0][lane], heights[1][lane]) = (step.height[0], step.height[1]);
+            count = step.corners.max(count);
+        }
+        let own = Own { x: L::transpose(rows[0]), y: L::transpose(rows[1]) };
+        self.cross::<FIRST>(count.into(), &own, L::load(&heights[0]), L::load(&heights[1]))
+    }
+
+    /// The links of the parts of split edges that rays leave through; those of which that is in no doubt.
+    #[inline(always)]
+    fn parts(&self, splits: u32, crossed: &Crossed<L>, links: &mut [u32; LANES]) -> u32 {
+        let [right, left] = [crossed.right.store(), crossed.left.store()];
+        let (height, blur, least) = (crossed.height.store(), crossed.blur.store(), self.least().store());
+        let mut ready = 0;
+        for lane in lanes(splits) {
+            let passage = Passage {
+                sides: [right[lane], left[lane]],
+                least: least[lane],
+                height: height[lane],
+                blur: blur[lane],
+            };
+            let part = passage.part::<L>(self.tables, links[lane] & !Step::SPLIT);
+            let link = part.unwrap_or(Step::OTHER);
+            links[lane] = link;
+            ready |= u32::from(link < Step::AROUND) << lane;
+        }
+        ready
+    }
+}
