@@ -542,7 +542,7 @@ mod scene_tests {
                     (0..rays.len()).map(|i| scene.trace_brief_with(kernel, starts.of(i), &rays[i])).collect();
                 let met = single.iter().filter(|brief| brief.triangle != NONE).count();
                 assert!(met > rays.len() / 2, "{name}: {met} hits");
-                for plan in [Plan::One, Plan::Eight, Plan::Sorted] {
+                for plan in [Plan::One, Plan::Eight, Plan::Scatter, Plan::Sorted] {
                     let mut briefs = vec![Brief::ESCAPED; rays.len()];
                     scene.briefs_as(plan, kernel, starts, &rays, &mut briefs);
                     for (i, (brief, single)) in briefs.iter().zip(&single).enumerate() {

@@ -34,10 +34,10 @@ impl Entries for Portable {
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
+        use $crate::trace::entries::Entries;
         use $crate::trace::kernel::{Ask, Probe};
         use $crate::trace::locate;
         use $crate::trace::packet::{self, Answers};
-        use $crate::trace::entries::Entries;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
         use $crate::trace::walk::{self, Found, Query, Surface, Walk};
@@ -143,12 +143,7 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn quick<P: Probe>(
-            tables: &Views,
-            ray: &Ray,
-            cell: u32,
-            probe: &mut P,
-        ) -> Option<Quick> {
+        pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<Quick> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { quick_here(tables, ray, cell, probe) }

@@ -10,8 +10,6 @@ pub(crate) trait Lanes: Copy {
     type Mask: Copy;
     /// Rounded.
     fn narrow(wide: Self::Wide) -> Self;
-    /// Exact.
-    fn widen(self) -> Self::Wide;
     /// All lanes `x`.
     fn splat(x: f32) -> Self;
     /// The lanes of an array.
@@ -198,14 +196,6 @@ impl Lanes for Portable {
             *to = x as f32;
         }
         Portable(out)
-    }
-    #[inline(always)]
-    fn widen(self) -> PortableWide {
-        let mut out = [0.0; LANES];
-        for (to, x) in out.iter_mut().zip(self.0) {
-            *to = f64::from(x);
-        }
-        PortableWide(out)
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {

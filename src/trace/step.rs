@@ -74,7 +74,7 @@ impl Step {
     }
 }
 
-/// An edge of a simple prism's footprint that is split into up to nine parts.
+/// Up to nine parts of an edge of a simple prism's footprint that is split.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Split {
@@ -82,6 +82,8 @@ pub(crate) struct Split {
     pub(crate) starts: [f32; LANES],
     /// The number of its first part; the others follow.
     pub(crate) first: u32,
+    /// 1 if there are more: the next begins with the last of these.
+    pub(crate) more: u32,
 }
 
 /// What is over a part of an edge of a simple prism's footprint.
@@ -124,7 +126,8 @@ impl Splits {
     /// Where an edge leads that ends at a corner and is split into these sides.
     fn add(&mut self, prisms: &Prisms<'_>, sides: &[SideRecord], end: [f32; 2]) -> u32 {
         let (first, number) = (self.parts.len(), self.splits.len());
-        if sides.len() > LANES + 1 || number >= Step::SPLIT as usize || first > u32::MAX as usize - LANES {
+        let count = sides.len().saturating_sub(1).div_ceil(LANES).max(1);
+        if number + count >= Step::SPLIT as usize || first + sides.len() >= u32::MAX as usize {
             return Step::PARTS;
         }
         let [ax, ay] = sides[0].start.map(f64::from);
@@ -132,10 +135,6 @@ impl Splits {
         let share = |start: [f32; 2]| {
             ((f64::from(start[0]) - ax) * ex + (f64::from(start[1]) - ay) * ey) / (ex * ex + ey * ey)
         };
-        let mut split = Split { starts: [f32::INFINITY; LANES], first: first as u32 };
-        for (to, side) in split.starts.iter_mut().zip(&sides[1..]) {
-            *to = share(side.start) as f32;
-        }
         for side in sides {
             let faces = prisms.faces_of(side);
             let mut part = Part { top: [f32::INFINITY; 2], link: [Step::OTHER; Part::FACES] };
@@ -154,7 +153,15 @@ impl Splits {
             }
             self.parts.push(part);
         }
-        self.splits.push(split);
+        for block in 0..count {
+            let part = block * LANES;
+            let (first, more) = ((first + part) as u32, u32::from(block + 1 < count));
+            let mut split = Split { starts: [f32::INFINITY; LANES], first, more };
+            for (to, side) in split.starts.iter_mut().zip(&sides[part + 1..]) {
+                *to = share(side.start) as f32;
+            }
+            self.splits.push(split);
+        }
         Step::SPLIT | number as u32
     }
 }

@@ -161,7 +161,8 @@ impl<L: Entries> Packet<'_, L> {
         let is_near = L::bits(ends.le(limits)) & !alone;
         for lane in lanes(onward & !is_near) {
             let ray = self.rays[lane];
-            let exit = if alone >> lane & 1 != 0 { exits[lane] } else { Exit::through(edges[lane].to_bits()) };
+            let exit =
+                if alone >> lane & 1 != 0 { exits[lane] } else { Exit::through(edges[lane].to_bits()) };
             if exit.exact_of(tables, ray, cells[lane]) > ray.tmax + tables.scene[0].tolerance {
                 group.answers.put(group.numbers[lane], nothing(ray.tmax, cells[lane]));
                 links[lane] = NONE;

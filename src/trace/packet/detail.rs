@@ -3,9 +3,9 @@
 use super::Packet;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
+use crate::trace::entries::Entries;
 use crate::trace::herd::{Herd, Nearest, Rounded, together};
 use crate::trace::kernel::Ask;
-use crate::trace::entries::Entries;
 use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
 use crate::trace::walk::Walk;

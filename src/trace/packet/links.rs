@@ -12,20 +12,25 @@ impl<L: Entries> Packet<'_, L> {
     #[inline(always)]
     pub(super) fn split_together(&self, split: u32, crossed: &Crossed<L>) -> Option<u32> {
         let (zero, all) = (L::splat(0.0), self.under_way);
-        let split = self.tables.splits.get(split as usize)?;
+        let mut splits = self.tables.splits.get(split as usize..)?.iter();
         let (right, left, least) = (crossed.right, crossed.left, self.least());
         let across = left.sub(right);
         let mut is_clear = L::and(least.le(zero.sub(right)), least.le(left));
-        let mut part = split.first;
-        for start in split.starts {
-            let side = across.mul_add(L::splat(start), right);
-            is_clear = L::and(is_clear, least.le(side.abs()));
-            match L::bits(zero.le(side)) & all {
-                0 => part += 1,
-                bits if bits == all => break,
-                _ => return None,
+        let part = 'part: loop {
+            let split = splits.next()?;
+            for (passed, start) in (0..).zip(split.starts) {
+                let side = across.mul_add(L::splat(start), right);
+                is_clear = L::and(is_clear, least.le(side.abs()));
+                match L::bits(zero.le(side)) & all {
+                    0 => {}
+                    bits if bits == all => break 'part split.first + passed,
+                    _ => return None,
+                }
             }
-        }
+            if split.more == 0 {
+                break split.first + LANES as u32;
+            }
+        };
         let part = self.tables.parts.get(part as usize)?;
         let mut face = 0;
         for top in part.top {

@@ -27,8 +27,8 @@ use super::step::Step;
 use super::walk::Found;
 use crate::format::Views;
 use crate::format::records::LANES;
-use answers::{Group, Pool};
 pub(super) use answers::{Answers, BLOCK};
+use answers::{Group, Pool};
 use crossing::{Crossed, One};
 use plates::dot;
 

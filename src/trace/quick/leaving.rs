@@ -43,7 +43,8 @@ const WITHIN: f32 = 1.25 * BLURRED as f32;
 
 impl Exit {
     /// Of no ray.
-    pub(in crate::trace) const NONE: Exit = Exit { link: Step::OTHER, by: EXACT, t: 0.0, off: 0.0, exact: 0.0 };
+    pub(in crate::trace) const NONE: Exit =
+        Exit { link: Step::OTHER, by: EXACT, t: 0.0, off: 0.0, exact: 0.0 };
 
     /// Through an edge of a simple prism, its floor or its ceiling, wherever that leads.
     #[inline(always)]
@@ -117,15 +118,20 @@ impl Passage {
     /// Where the part of a split edge leads that a ray leaves through; `None` in doubt.
     #[inline(always)]
     pub(in crate::trace) fn part<L: Lanes>(&self, tables: &Views, split: u32) -> Option<u32> {
-        let split = tables.splits.get(split as usize)?;
         let [right, left] = self.sides;
-        let starts = L::load(&split.starts);
-        let sides = L::splat(right).add(L::splat(left - right).mul(starts));
-        let part = tables.parts.get((split.first + sides.signs().count_ones()) as usize)?;
+        let mut is_between = (-right >= self.least) & (left >= self.least);
+        let mut splits = tables.splits.get(split as usize..)?.iter();
+        let part = loop {
+            let split = splits.next()?;
+            let starts = L::load(&split.starts);
+            let sides = L::splat(right).add(L::splat(left - right).mul(starts));
+            is_between &= L::bits(L::splat(self.least).le(sides.abs())) == 0xff;
+            let passed = sides.signs().count_ones();
+            if passed < LANES as u32 || split.more == 0 {
+                break tables.parts.get((split.first + passed) as usize)?;
+            }
+        };
         let (over, over_next) = (self.height - part.top[0], self.height - part.top[1]);
-        let is_between = (L::bits(L::splat(self.least).le(sides.abs())) == 0xff)
-            & (-right >= self.least)
-            & (left >= self.least);
         let is_clear = is_between & (over.abs() >= self.blur) & (over_next.abs() >= self.blur);
         is_clear.then(|| part.link[usize::from(over > 0.0) + usize::from(over_next > 0.0)])
     }

@@ -61,7 +61,11 @@ impl Quick {
     #[inline(always)]
     pub(super) fn brief(&self) -> Brief {
         let Quick { found, cell, .. } = *self;
-        if found.triangle == NONE { Brief::ESCAPED } else { Brief { t: found.t, triangle: found.triangle, cell } }
+        if found.triangle == NONE {
+            Brief::ESCAPED
+        } else {
+            Brief { t: found.t, triangle: found.triangle, cell }
+        }
     }
 }
 

@@ -14,10 +14,6 @@ fn scene(building: &Building, style: &Style) -> Scene {
     compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
 }
 
-fn from<'a>(cell: u32, surface: Option<&'a Surface>) -> Departure<'a> {
-    Departure { cell, surface }
-}
-
 /// Rays from the air of the zone, half of them through places in rooms, the cells in which they start.
 fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
     let mut random = SplitMix64::new(seed);
@@ -44,13 +40,11 @@ fn check(name: &str, scene: &Scene, share: f64) {
     let rays = rays(scene, 40_000, 5);
     let (mut quick, mut hits) = (0, 0);
     for (cell, ray) in &rays {
-        let found: Vec<Option<Quick>> = Kernel::available()
-            .into_iter()
-            .map(|k| k.quick(Ask::First, &scene.tables, ray, &from(*cell, None)))
-            .collect();
+        let found: Vec<Option<Quick>> =
+            Kernel::available().into_iter().map(|k| k.quick(Ask::First, &scene.tables, ray, *cell)).collect();
         let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
         assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-        let any = scene.kernel.quick(Ask::Any, &scene.tables, ray, &from(*cell, None));
+        let any = scene.kernel.quick(Ask::Any, &scene.tables, ray, *cell);
         let Some(Quick { found, .. }) = found[0] else { continue };
         quick += 1;
         let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
@@ -110,9 +104,7 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
             onward.tmax = random.between(0.0, 4.0);
         }
         let surface = surface_of(&hit, DVec3::from(onward.origin), onward.tmin);
-        let ask = |kernel: Kernel| {
-            kernel.quick(Ask::First, &scene.tables, &onward, &from(hit.cell, Some(&surface)))
-        };
+        let ask = |kernel: Kernel| kernel.quick_from(Ask::First, &scene.tables, &onward, hit.cell, &surface);
         let found: Vec<Option<Quick>> = Kernel::available().into_iter().map(ask).collect();
         let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
         assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {onward:?} {found:?}");
@@ -149,9 +141,7 @@ fn from_surfaces_it_answers_as_the_careful_walk_does() {
 fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
     let scene = scene(&house(&HouseOptions::default()), &Style::exact());
     let (cell, ray) = rays(&scene, 1, 3)[0];
-    let quick = |cell: u32, ray: Ray| {
-        scene.kernel.quick(Ask::First, &scene.tables, &ray, &from(cell, None)).is_some()
-    };
+    let quick = |cell: u32, ray: Ray| scene.kernel.quick(Ask::First, &scene.tables, &ray, cell).is_some();
     for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));
         assert!(!quick(cell, Ray { direction: [0.0, component, 0.0], ..ray }));
