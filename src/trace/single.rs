@@ -12,7 +12,7 @@ use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
-use crate::format::records::CellRecord;
+use crate::format::records::{CellRecord, SourceRecord};
 use crate::scene::Scene;
 
 /// Planes nearer to the origin of a restarted ray than this, in metres per metre of coordinate, count as the one
@@ -191,8 +191,15 @@ impl Scene {
     /// The first triangle of a source that the ray meets.
     fn very_triangle(&self, line: &Line, source: u32) -> Option<u32> {
         let walk = Walk::new(&self.tables);
-        let query = line.query(&self.tables, None);
+        let mut query = line.query(&self.tables, None);
         let mut best = Found { t: f64::INFINITY, triangle: NONE };
+        if let Some(&SourceRecord { root, .. }) = self.tables.sources.get(source as usize)
+            && root != NONE
+        {
+            query.aim(root, f64::INFINITY);
+            best = self.kernel.run(Ask::First, &walk, &query);
+            return (best.triangle != NONE).then_some(best.triangle);
+        }
         for &triangle in Prisms::new(&self.tables).triangles_of(source) {
             query.test(&walk, triangle, &mut best);
         }
