@@ -18,7 +18,7 @@ const RUN: usize = 4;
 /// So many pairs of rays are looked at to tell.
 const LOOKS: usize = 256;
 
-/// With fewer cells, which stay in a processor's caches, rays that start in different ones are faster one by one, as they come.
+/// With fewer cells, which stay in a processor's caches, rays that start in different ones are faster as they come.
 const MANY_CELLS: usize = 1 << 10;
 
 /// Rays are put in the order of at most so many places.
@@ -82,10 +82,10 @@ struct Batch<'a> {
 enum Plan {
     /// One ray after the other.
     One,
-    /// Rays that start in different places, step by step.
-    Scatter,
-    /// Eight rays that follow each other at once.
-    Eight,
+    /// Eight rays that follow each other at once, as long as they go together.
+    Together,
+    /// Eight rays at once, each its own way.
+    Apart,
     /// The same in the order of the places at which they start.
     Sorted,
 }
@@ -148,8 +148,8 @@ fn places_of(of: &[u32], keys: usize) -> Vec<u32> {
 impl Scene {
     /// What each ray meets first; `hits[i]` is the record of `rays[i]` (see [`Hit::answer`]): what [`Scene::trace_from`] answers.
     ///
-    /// Rays that are neighbours in the slice are traced together: faster where they start in the same cells and go similar ways. Of large
-    /// scenes, rays that start all over them are copied and put in order: at most 2^18 of them at a time on each thread, 21 MB.
+    /// Rays that are neighbours in the slice are traced together: faster where they start in the same cells and go similar ways. Of scenes of
+    /// 1,024 cells and more, rays that start all over them are copied and put in order: at most 2^18 of them at a time on each thread, 21 MB.
     ///
     /// With the feature `rayon` the work is shared among the threads of the current pool: call it inside
     /// `ThreadPool::install` to use your own. The answers do not depend on it.
@@ -282,14 +282,18 @@ impl Scene {
             Starts::Hits(hits) => assert_eq!(rays.len(), hits.len(), "as many hits as rays"),
             Starts::Anywhere | Starts::Cell(_) => {}
         }
+        let is_large = rays.len() > *SCATTERED.start() && self.tables.cells.len() >= MANY_CELLS;
         let plan = if matches!(starts, Starts::Hits(_)) {
             Plan::One
         } else if !is_scattered(starts, rays) {
-            Plan::Eight
-        } else if rays.len() <= *SCATTERED.start() || self.tables.cells.len() < MANY_CELLS {
-            Plan::Scatter
-        } else {
+            Plan::Together
+        } else if is_large {
             Plan::Sorted
+        } else if batch.kernel == Kernel::PORTABLE {
+            // Gathering rays into lanes takes longer there than it gives.
+            Plan::One
+        } else {
+            Plan::Apart
         };
         self.many_as(plan, batch, answers, told, alone);
     }
@@ -315,7 +319,7 @@ impl Scene {
             None => aside(|| alone(starts.of(index), ray)),
         };
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
-            Plan::Scatter => {
+            Plan::Apart => {
                 let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
                 self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
                     answers[index] = answer(quick, starts, index, &rays[index]);
@@ -326,7 +330,7 @@ impl Scene {
                     *to = alone(starts.of(index), ray);
                 }
             }
-            Plan::Eight => {
+            Plan::Together => {
                 let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
                 self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
                     answers[index] = answer(quick, starts, index, &rays[index]);
@@ -399,12 +403,12 @@ impl Scene {
                     known = if self.tables.is_air(*cell) { *cell } else { NONE };
                 }
                 if known == NONE && last.0 != ray.origin {
-                    let hint = if plan == Plan::Scatter { NONE } else { last.1 };
+                    let hint = if plan == Plan::Apart { NONE } else { last.1 };
                     last = (ray.origin, self.free_cell_near(ray.origin, hint).unwrap_or(NONE));
                 }
                 *cell = if known == NONE { last.1 } else { known };
             }
-            let scattered = plan != Plan::Eight;
+            let scattered = plan != Plan::Together;
             kernel.packets(ask, &self.tables, &block[..count], &told[..count], scattered, &mut answers);
             for ray in 0..count {
                 tell(first + ray, answers.get(ray));
@@ -542,7 +546,7 @@ mod scene_tests {
                     (0..rays.len()).map(|i| scene.trace_brief_with(kernel, starts.of(i), &rays[i])).collect();
                 let met = single.iter().filter(|brief| brief.triangle != NONE).count();
                 assert!(met > rays.len() / 2, "{name}: {met} hits");
-                for plan in [Plan::One, Plan::Eight, Plan::Scatter, Plan::Sorted] {
+                for plan in [Plan::One, Plan::Together, Plan::Apart, Plan::Sorted] {
                     let mut briefs = vec![Brief::ESCAPED; rays.len()];
                     scene.briefs_as(plan, kernel, starts, &rays, &mut briefs);
                     for (i, (brief, single)) in briefs.iter().zip(&single).enumerate() {
@@ -632,7 +636,11 @@ mod scene_tests {
         let at = |i: usize| Ray::new([i as f64, 0.0, 0.0], [1.0, 0.0, 0.0]);
         let (apart, runs): (Vec<Ray>, Vec<Ray>) = (0..40_000).map(|i| (at(i), at(i / 100))).unzip();
         assert!(is_scattered(Starts::Anywhere, &apart) && !is_scattered(Starts::Anywhere, &runs));
-        assert!(!is_scattered(Starts::Cell(1), &apart) && !is_scattered(Starts::Anywhere, &apart[..100]));
+        assert!(
+            is_scattered(Starts::Anywhere, &apart[..100]) && !is_scattered(Starts::Anywhere, &runs[..300])
+        );
+        // Of one cell, and so few that nothing is gained.
+        assert!(!is_scattered(Starts::Cell(1), &apart) && !is_scattered(Starts::Anywhere, &apart[..BLOCK]));
         let cells: Vec<u32> = (0..40_000).map(|i| i / 50).collect();
         assert!(!is_scattered(Starts::Cells(&cells), &apart));
     }
