@@ -230,3 +230,58 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
     }
     step
 }
+
+#[cfg(all(test, feature = "compile"))]
+mod tests {
+    use super::*;
+    use crate::generate::{OfficeOptions, Style, build1};
+    use crate::{CompileOptions, compile};
+
+    /// Of a corridor with doors on both sides, too, whose walls fall into more parts than one record has.
+    #[test]
+    fn split_edges_have_the_parts_of_their_sides() {
+        let building = build1(&OfficeOptions { seed: 0, ..OfficeOptions::default() });
+        let model = building.export(&Style::exact()).to_model().unwrap();
+        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+        let (tables, prisms) = (&scene.tables, Prisms::new(&scene.tables));
+        let mut most = 0;
+        for (cell, step) in tables.cells.iter().zip(tables.steps.iter()) {
+            for corner in 0..usize::from(step.corners) {
+                let link = step.links[corner];
+                if link & (Step::PLATE | Step::SPLIT) != Step::SPLIT {
+                    continue;
+                }
+                let next = (corner + 1) % usize::from(step.corners);
+                let [from, to] = [corner, next].map(|c| [f64::from(step.x[c]), f64::from(step.y[c])]);
+                let sides = prisms.sides_of(cell);
+                let end = if next == 0 { sides.len() } else { step.side[next].into() };
+                let sides = &sides[step.side[corner].into()..end];
+                most = most.max(sides.len());
+                let mut split = (link & !Step::SPLIT) as usize;
+                let first = tables.splits[split].first as usize;
+                for (part, side) in sides.iter().enumerate() {
+                    if part > 0 {
+                        let record = tables.splits[split];
+                        let share = f64::from(record.starts[(part - 1) % LANES]);
+                        for axis in 0..2 {
+                            let at = from[axis] + share * (to[axis] - from[axis]);
+                            assert!((at - f64::from(side.start[axis])).abs() < 1e-5, "{side:?} {record:?}");
+                        }
+                        assert_eq!(record.more == 1, part + LANES - (part - 1) % LANES < sides.len());
+                        if part % LANES == 0 && record.more == 1 {
+                            split += 1;
+                            assert_eq!(tables.splits[split].first as usize, first + part);
+                        }
+                    }
+                    let lowest = prisms.faces_of(side)[0];
+                    let leads = super::link(&prisms, lowest.cell, lowest.source, lowest.flags);
+                    assert_eq!(tables.parts[first + part].link[0], leads);
+                }
+                let record = tables.splits[split];
+                let used = (1..sides.len()).map(|part| (part - 1) % LANES + 1).next_back().unwrap_or(0);
+                assert!(record.more == 0 && record.starts[used..].iter().all(|start| start.is_infinite()));
+            }
+        }
+        assert!(most > LANES + 1, "{most} parts");
+    }
+}
