@@ -1,7 +1,7 @@
 //! Walks from cell to cell through random partitions, against the truth.
 #![cfg(feature = "compile")]
 
-mod common;
+use crate::common;
 
 use common::enf;
 use common::prisms::{Made, Style, make};

@@ -5,7 +5,7 @@ use enfilade::importers::Semantic::{self, Door, Room, Stairwell, Wall};
 use enfilade::partition::{NotCarved, PartitionOptions, partition};
 use enfilade::sew::sew;
 
-use crate::{findings, made};
+use super::{findings, made};
 
 /// Half a lattice unit.
 const HALF_UNIT: f64 = 0.5 / 65536.0;

@@ -2,7 +2,7 @@
 //! compiling and tracing it.
 #![cfg(all(feature = "gltf", feature = "obj", feature = "compile", feature = "cli"))]
 
-mod common;
+use crate::common;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;

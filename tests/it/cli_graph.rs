@@ -1,7 +1,7 @@
 //! `enfilade export` and `enfilade plan`, as a reader would run them; and that rays go where the graph says.
 #![cfg(all(feature = "gltf", feature = "obj", feature = "compile", feature = "cli"))]
 
-mod common;
+use crate::common;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -3,8 +3,7 @@
 //! `PROPTEST_CASES` says how many buildings are tried; without it, a few, always the same.
 #![cfg(all(feature = "compile", feature = "obj"))]
 
-#[path = "../common/cases.rs"]
-mod cases;
+use crate::common::cases;
 mod outline;
 
 use std::collections::{HashMap, HashSet};

@@ -1,7 +1,7 @@
 //! `enfilade trace`: every way in and out gives the same answers, and bad rays are refused by place.
 #![cfg(feature = "cli")]
 
-mod common;
+use crate::common;
 
 use common::{Folder, fixture_arg};
 use enfilade_testing::Random;

@@ -3,7 +3,7 @@
 //! The files are taken apart here by `docs/FORMAT.md` alone.
 #![cfg(feature = "compile")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -150,7 +150,7 @@ fn the_file_is_laid_out_as_documented() {
     let mut sealed = file.to_vec();
     enf::seal(&mut sealed);
     assert!(sealed == file, "the checksums are XXH3-64 of what the page says");
-    let (mut end, page) = (enf::row(enf::sections(file).len()), include_str!("../docs/FORMAT.md"));
+    let (mut end, page) = (enf::row(enf::sections(file).len()), include_str!("../../docs/FORMAT.md"));
     for section in enf::sections(file) {
         assert_eq!(section.start % 64, 0);
         assert!(section.start >= end && section.start - end < 64, "{section:?}");

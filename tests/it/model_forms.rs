@@ -5,9 +5,7 @@
 //! orientation; closed bodies; and every coordinate, exactly where the form is exact, else to what its numbers can say.
 #![cfg(all(feature = "gltf", feature = "obj", feature = "compile", feature = "render"))]
 
-mod common;
-#[path = "common/forms/mod.rs"]
-mod forms;
+use crate::common::forms;
 
 use enfilade::importers::{Material, Model, UpAxis, import};
 use enfilade_testing::{glb, wall};

@@ -9,19 +9,19 @@ use enfilade::{CompileOptions, compile};
 
 // Each example's `main` is its own; its `run` is what is tested.
 #[allow(dead_code)]
-#[path = "../examples/lidar.rs"]
+#[path = "../../examples/lidar.rs"]
 mod lidar;
 #[allow(dead_code)]
-#[path = "../examples/properties.rs"]
+#[path = "../../examples/properties.rs"]
 mod properties;
 #[allow(dead_code)]
-#[path = "../examples/render.rs"]
+#[path = "../../examples/render.rs"]
 mod render;
 #[allow(dead_code)]
-#[path = "../examples/rules.rs"]
+#[path = "../../examples/rules.rs"]
 mod rules;
 #[allow(dead_code)]
-#[path = "../examples/ways.rs"]
+#[path = "../../examples/ways.rs"]
 mod ways;
 
 const HOUSE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/house.glb");

@@ -1,7 +1,7 @@
 //! Hits tell the kind of the face that they lie on, if asked for it.
 #![cfg(feature = "compile")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 

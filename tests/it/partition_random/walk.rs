@@ -4,8 +4,8 @@ use enfilade::arbitrary::{Finding, Space, cosine};
 use enfilade::lattice::{FINE, Plane, Point};
 use enfilade::partition::cells::NONE;
 
-use crate::points;
-use crate::truth::{Meshes, Random};
+use super::points;
+use super::truth::{Meshes, Random};
 
 /// Points of the plan are rounded by half a unit, a plane's numbers by less: in units, no crossing of planes moves by more.
 const ROUNDED: f64 = 1.0;

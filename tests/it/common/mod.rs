@@ -1,7 +1,11 @@
 //! What the tests of the whole program share: a folder of their own, the binary, small numbers.
 #![allow(dead_code)]
 
+#[cfg(feature = "compile")]
+pub mod cases;
 pub mod enf;
+#[cfg(all(feature = "gltf", feature = "obj", feature = "compile", feature = "render"))]
+pub mod forms;
 #[cfg(feature = "compile")]
 pub mod prisms;
 

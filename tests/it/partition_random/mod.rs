@@ -2,8 +2,7 @@
 //!
 //! `PROPTEST_CASES` says how many buildings are tried; without it, a few hundred, always the same.
 
-#[path = "../common/cases.rs"]
-mod cases;
+use crate::common::cases;
 mod found;
 mod points;
 mod truth;

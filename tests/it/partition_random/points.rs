@@ -3,7 +3,7 @@
 use enfilade::arbitrary::{Finding, Space};
 use enfilade::partition::cells::Label;
 
-use crate::truth::{Meshes, Random};
+use super::truth::{Meshes, Random};
 
 /// Points looked at for each building.
 const POINTS: usize = 48;

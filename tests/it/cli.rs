@@ -4,7 +4,7 @@
 //! everything else to stderr. `trace` has tests of its own in `cli_trace.rs`.
 #![cfg(feature = "cli")]
 
-mod common;
+use crate::common;
 
 use std::process::Stdio;
 

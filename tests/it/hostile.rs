@@ -2,7 +2,7 @@
 //! with a panic, in long time, or with more memory than a limit of the operating system leaves.
 #![cfg(feature = "cli")]
 
-mod common;
+use crate::common;
 
 use std::fs::File;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! `--closed` and `--open` on the command line.
 
-mod common;
+use crate::common;
 
 use common::{Folder, fixture_arg};
 

@@ -1,0 +1,30 @@
+//! Tests of what callers see, through the library and the command line: one program, which links the library once.
+
+mod common;
+
+mod buildings;
+mod cells;
+mod cli;
+mod cli_doors;
+mod cli_graph;
+mod cli_trace;
+mod closing;
+mod convexification;
+mod examples;
+mod faces;
+mod format;
+mod frozen;
+mod generate;
+mod graph;
+mod hostile;
+mod kernels;
+mod model_forms;
+mod noise;
+mod partition;
+mod partition_random;
+mod places;
+mod render;
+mod round_trip;
+mod specimens;
+mod styles;
+mod truth;
