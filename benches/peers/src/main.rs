@@ -6,7 +6,7 @@
 //! ```
 //!
 //! One thread. Every way has its rays in the layout that it likes best before the clock runs, and writes distance and triangle
-//! of each ray; the ways take turns, and the medians of the repeats count. Embree 3 is used as Debian's `libembree-dev`
+//! of each ray; the ways take turns, each looks at some of the rays before the clock runs, and the medians of the repeats count. Embree 3 is used as Debian's `libembree-dev`
 //! installs it, or the library that `EMBREE_LIB` names, 3 or 4; without either the other ways are still compared.
 
 mod crates;

@@ -188,8 +188,10 @@ fn nearest(
     for batch in batches {
         let mut times = vec![Vec::new(); ways.len()];
         let mut met = vec![vec![Met::NOTHING; batch.len()]; ways.len()];
+        let first = batch.first();
         for _ in 0..repeat.max(1) {
             for (i, way) in ways.iter().enumerate() {
+                way.nearest(&first, &mut met[i][..first.len()]);
                 let start = Instant::now();
                 way.nearest(batch, &mut met[i]);
                 times[i].push(start.elapsed().as_secs_f64());
@@ -219,8 +221,10 @@ fn nearest(
 fn occluded(scene: &str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
     let mut answers = vec![vec![false; pairs.len()]; ways.len()];
     let mut times = vec![Vec::new(); ways.len()];
+    let first = pairs.first();
     for _ in 0..repeat.max(1) {
         for (i, way) in ways.iter().enumerate() {
+            way.occluded(&first, &mut answers[i][..first.len()]);
             let start = Instant::now();
             if way.occluded(pairs, &mut answers[i]) {
                 times[i].push(start.elapsed().as_secs_f64());
