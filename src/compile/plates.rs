@@ -19,8 +19,9 @@ const NEAR: f64 = 2e-4;
 /// How much wider triangles count as they are, metres: rays through gaps that narrow are right to meet what is beside them.
 const SEAM: f64 = 1e-5;
 
-/// What is left of a face may have this area, square metres: not a place, but what rounding leaves.
+/// What is left of a face may have this area, square metres, and all such pieces together that: not a place, but what rounding leaves.
 const LEAST: f64 = 1e-9;
+const LEAST_OF_ALL: f64 = 1e-7;
 
 /// A face with more triangles is not looked at: slabs under corridors have thousands.
 const MOST_TRIANGLES: usize = 1 << 14;
@@ -159,7 +160,7 @@ fn look(tables: &Tables, prisms: &Prisms<'_>, part: &Part, is_air: bool) -> Opti
 fn cover<'a>(polygon: Vec<DVec2>, triangles: impl Iterator<Item = &'a Vec<DVec2>>) -> bool {
     let mut pieces = vec![polygon];
     pieces.retain(|piece| area(piece) > LEAST);
-    let mut looks = 0;
+    let (mut looks, mut lost) = (0, 0.0);
     for corners in triangles {
         looks += pieces.len();
         if looks > MOST_LOOKS {
@@ -180,13 +181,15 @@ fn cover<'a>(polygon: Vec<DVec2>, triangles: impl Iterator<Item = &'a Vec<DVec2>
                 let beyond = cut(&piece, |r| -inward.dot(r - p) - SEAM);
                 if area(&beyond) > LEAST {
                     left.push(beyond);
+                } else {
+                    lost += area(&beyond).max(0.0);
                 }
                 piece = cut(&piece, |r| inward.dot(r - p) + SEAM);
             }
         }
         pieces = left;
     }
-    pieces.is_empty()
+    pieces.is_empty() && lost <= LEAST_OF_ALL
 }
 
 /// The corners counter-clockwise.

@@ -568,6 +568,49 @@ mod scene_tests {
                 assert_eq!(occluded[i], scene.occluded(ray), "{name}: {ray:?}");
             }
         }
+        // As each plan has it: whole answers, whether there is one, and blocks that are not full.
+        let single: Vec<Hit> = (0..rays.len())
+            .map(|i| scene.trace_from(Start::Cell(cells[i]), &rays[i], Want::default()))
+            .collect();
+        for plan in [Plan::Together, Plan::Apart, Plan::Sorted] {
+            let kernel = scene.kernel;
+            let mut hits = vec![Hit::ESCAPED; rays.len()];
+            scene.many_as(
+                plan,
+                Batch { ask: Ask::First, kernel, starts: Starts::Cells(&cells), rays: &rays },
+                &mut hits,
+                |quick, ray| scene.describe_quick(ray, quick, Want::default()),
+                |start, ray| scene.trace_from(start, ray, Want::default()),
+            );
+            assert_eq!(
+                bytemuck::cast_slice::<_, u8>(&hits),
+                bytemuck::cast_slice::<_, u8>(&single),
+                "{name}"
+            );
+            let answer = |starts: Starts<'_>, rays: &[Ray]| {
+                let mut occluded = vec![false; rays.len()];
+                scene.many_as(
+                    plan,
+                    Batch { ask: Ask::Any, kernel, starts, rays },
+                    &mut occluded,
+                    |quick, _| quick.found.triangle != NONE,
+                    |start, ray| scene.occluded_from(start, ray),
+                );
+                occluded
+            };
+            let occluded = answer(Starts::Cells(&cells), &rays);
+            for (i, ray) in rays.iter().enumerate() {
+                let alone = scene.occluded_from(Start::Cell(cells[i]), ray);
+                assert_eq!(occluded[i], alone, "{name} {plan:?}: {ray:?}");
+            }
+            for count in [1, 2, 7, 9, BLOCK - 1, BLOCK + 1, BLOCK + 2] {
+                let one = answer(Starts::Cell(cells[0]), &rays[..count]);
+                for (ray, is_met) in rays.iter().zip(one) {
+                    let alone = scene.occluded_from(Start::Cell(cells[0]), ray);
+                    assert_eq!(is_met, alone, "{name} {plan:?}, {count}: {ray:?}");
+                }
+            }
+        }
         // On from what they met.
         let met: Vec<Hit> = rays
             .iter()

@@ -1,7 +1,8 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick`, `quick_from` and `packets` do is compiled for those instructions within six functions, and only there; the rest of the
-//! crate calls them through five others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them.
+//! What `walk`, `free`, `quick`, `quick_from` and `packets` do is compiled for those instructions within functions of their own, and only there; the
+//! rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What of `quick` is
+//! seldom needed they call through [`Entries`], so that it does not stand within each of them.
 
 use super::kernel::Probe;
 use super::lanes::{Lanes, Portable};
@@ -30,7 +31,8 @@ impl Entries for Portable {
     }
 }
 
-/// The functions `run`, `free`, `quick`, `quick_from` and `packets` of a module that has `is_available`, on these lanes.
+/// The functions `run`, `free`, `quick`, `quick_from` and `packets` of a module that has `is_available`, on these lanes, and their [`Entries`].
+#[cfg(target_arch = "x86_64")]
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
@@ -186,4 +188,5 @@ macro_rules! entries {
     };
 }
 
+#[cfg(target_arch = "x86_64")]
 pub(super) use entries;

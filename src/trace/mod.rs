@@ -9,7 +9,6 @@ mod begin;
 mod cells;
 mod columns;
 mod cost;
-#[cfg(target_arch = "x86_64")]
 mod entries;
 mod finder;
 mod herd;

@@ -53,7 +53,7 @@ pub struct Want {
     /// among the faces of a cell.
     pub face: bool,
     /// In [`Hit::triangle`] the very triangle, not another in its plane, of the same element and material: costs a test of all
-    /// triangles of a face.
+    /// triangles of a face, or a walk through their hierarchy.
     pub triangle: bool,
 }
 

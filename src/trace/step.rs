@@ -48,7 +48,7 @@ impl Step {
     /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
     /// a link is the number of a prism of air.
     pub(crate) const PLATE: u32 = 1 << 31;
-    /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge; the others are the number of the first.
+    /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge; the others are the number of their first [`Split`].
     pub(crate) const SPLIT: u32 = 1 << 30;
     /// The link of what has other parts: the sections tell.
     pub(crate) const PARTS: u32 = u32::MAX - 1;

@@ -4,43 +4,16 @@ use super::answers::Group;
 use super::crossing::{Crossed, Own};
 use super::plates::Plates;
 use super::{Packet, lanes};
-use crate::format::records::{LANES, Leaf, NodeRecord};
+use crate::format::records::{LANES, Leaf};
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
 use crate::trace::herd::Rounded;
 use crate::trace::kernel::Probe;
-use crate::trace::lanes::{Lanes, Wide};
+use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
-use crate::trace::quick::{Exit, Passage, Quick, detail, is_split, nothing};
+use crate::trace::quick::{Exit, Passage, Quick, detail, is_split, nothing, touches};
 use crate::trace::step::Step;
 use crate::trace::walk::Found;
-
-/// The rays as boxes of detail need them.
-struct Boxed {
-    local: [[f32; LANES]; 3],
-    inverse: [[f32; LANES]; 3],
-    slack: f32,
-}
-
-impl Boxed {
-    /// Whether a ray comes to any of a node's boxes before `until`.
-    #[inline(always)]
-    fn touches<L: Lanes>(&self, lane: usize, node: &NodeRecord, until: f32) -> bool {
-        let sides = [&node.lo, &node.hi];
-        let mut near = L::splat(-self.slack);
-        let mut far = L::splat(until + until * 2e-6 + self.slack);
-        for axis in 0..3 {
-            let (local, inverse) = (self.local[axis][lane], self.inverse[axis][lane]);
-            // Not the lesser and the greater: the box of a lane without a child is inside out.
-            let back = usize::from(inverse < 0.0);
-            let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
-            let (inverse, shift) = (L::splat(inverse), L::splat(local * inverse));
-            near = near.max(enter.mul_sub(inverse, shift));
-            far = far.min(leave.mul_sub(inverse, shift));
-        }
-        L::bits(near.le(far)) != 0
-    }
-}
 
 impl<L: Entries> Packet<'_, L> {
     /// Takes the rays out of their prisms, where they cross them so: ends the ways of some there, and puts the others into the pool.
@@ -116,17 +89,19 @@ impl<L: Entries> Packet<'_, L> {
         if roots_there != 0 {
             let scene = &tables.scene[0];
             let rounded = Rounded::<L>::new(scene, &self.origin, &self.direction);
-            let boxed = Boxed {
-                local: rounded.local.map(L::store),
-                inverse: rounded.inverse.map(L::store),
-                slack: scene.slack,
-            };
+            let locals = [rounded.local[0].store(), rounded.local[1].store(), rounded.local[2].store()];
+            let inverses =
+                [rounded.inverse[0].store(), rounded.inverse[1].store(), rounded.inverse[2].store()];
             let until = L::load(&until).min(limits).store();
             let mut touched = 0;
             for lane in lanes(roots_there) {
                 let root = roots[lane];
-                let is_touched = root & Leaf::BIT != 0
-                    || boxed.touches::<L>(lane, &tables.nodes[root as usize], until[lane]);
+                let is_touched = root & Leaf::BIT != 0 || {
+                    let local = [locals[0][lane], locals[1][lane], locals[2][lane]];
+                    let inverse = [inverses[0][lane], inverses[1][lane], inverses[2][lane]];
+                    let node = &tables.nodes[root as usize];
+                    touches::<L>(node, local, inverse, until[lane], scene.slack)
+                };
                 touched |= u32::from(is_touched) << lane;
             }
             for lane in lanes(touched) {

@@ -87,7 +87,8 @@ impl<L: Entries> Packet<'_, L> {
         let margin = self.margin();
         let (x, y) = corners.at(0);
         let (mut dx, mut dy) = (x.sub(fx), y.sub(fy));
-        let mut side = ax.mul_sub(dy, ay.mul(dx));
+        // Rounded as by `quick`, so that both look at the same edge.
+        let mut side = ax.mul(dy).sub(ay.mul(dx));
         let mut is_left = zero.le(side);
         let mut inside = is_left;
         if FIRST {
@@ -98,7 +99,7 @@ impl<L: Entries> Packet<'_, L> {
         for k in 0..count {
             let (x, y) = corners.at(k + 1);
             let (next_x, next_y) = (x.sub(fx), y.sub(fy));
-            let next = ax.mul_sub(next_y, ay.mul(next_x));
+            let next = ax.mul(next_y).sub(ay.mul(next_x));
             let is_next_left = zero.le(next);
             let here = L::and_not(is_left, is_next_left);
             edge = L::select(here, L::splat(f32::from_bits(k as u32)), edge);
@@ -131,6 +132,7 @@ impl<L: Entries> Packet<'_, L> {
         let mut known = L::bits(L::and(within, clear));
         let mut off = rounding.mul(slant.add(L::splat(2.0)));
         let (down, up) = (height.le(floor.sub(blur)), ceiling.add(blur).le(height));
+        let (down, up) = (L::and(az.le(zero), down), L::and(zero.le(az), up));
         let vertical = L::and(L::or(down, up), ahead);
         if L::bits(vertical) & self.under_way != 0 {
             let plane = L::select(down, floor, ceiling);

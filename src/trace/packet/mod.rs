@@ -72,11 +72,9 @@ pub(super) fn packets<L: Entries, P: Probe>(
         return;
     }
     let mut starts = true;
-    // Each cell once.
-    for _ in 0..tables.cells.len() {
-        if pool.len <= FEW as usize && !starts {
-            break;
-        }
+    // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
+    let mut left = BLOCK * tables.cells.len();
+    while left > 0 && (pool.len > FEW as usize || starts) {
         let mut next = Pool::NONE;
         for first in (0..pool.len).step_by(LANES) {
             let count = (pool.len - first).min(LANES);
@@ -91,7 +89,7 @@ pub(super) fn packets<L: Entries, P: Probe>(
             let mut packet = Packet::<L>::new(tables, &own);
             packet.under_way &= ALL >> (LANES - count);
             let group = Group { numbers, cells, answers, next: &mut next };
-            packet.run(group, starts, scattered, probe);
+            packet.run(group, starts, scattered, &mut left, probe);
         }
         (pool, starts) = (next, false);
     }
@@ -184,9 +182,17 @@ impl<'a, L: Entries> Packet<'a, L> {
 
     /// Takes the rays through prisms together as long as they are in one, and leave it one way; then out of those in which they are then.
     #[inline(always)]
-    fn run<P: Probe>(&mut self, mut group: Group<'_>, mut starts: bool, scattered: bool, probe: &mut P) {
+    fn run<P: Probe>(
+        &mut self,
+        mut group: Group<'_>,
+        mut starts: bool,
+        scattered: bool,
+        left: &mut usize,
+        probe: &mut P,
+    ) {
         let tables = self.tables;
         let lead = group.cells[0];
+        *left = left.saturating_sub(1);
         if scattered || group.cells.iter().fold(0, |differ, cell| differ | (cell ^ lead)) != 0 {
             let crossed = if starts {
                 self.cross_own::<true>(&group.cells)
@@ -196,7 +202,8 @@ impl<'a, L: Entries> Packet<'a, L> {
             self.apart(&crossed, starts, &mut group, probe);
             return;
         }
-        for _ in 0..tables.cells.len() {
+        while self.under_way != 0 && *left > 0 {
+            *left -= 1;
             let step = &tables.steps[group.cells[0] as usize];
             let [floor, ceiling] = step.height;
             let (floor, ceiling) = (L::splat(floor), L::splat(ceiling));
@@ -205,9 +212,6 @@ impl<'a, L: Entries> Packet<'a, L> {
             } else {
                 self.cross::<false>(step.corners.into(), &One(step), floor, ceiling)
             };
-            if self.under_way == 0 {
-                return;
-            }
             if !step.is_some() || !self.together(step, &crossed, &mut group, probe) {
                 self.apart(&crossed, starts, &mut group, probe);
                 return;

@@ -6,8 +6,6 @@
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use std::hint::select_unpredictable;
-
 use super::Way;
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
@@ -86,14 +84,14 @@ struct Edge {
 }
 
 /// What f32 says of the way out of a simple prism.
-pub(super) struct Crossing {
+struct Crossing {
     /// As if the edge, the floor or the ceiling had no parts.
-    pub(super) exit: Exit,
-    pub(super) passage: Passage,
+    exit: Exit,
+    passage: Passage,
     /// Through an edge, which part of it is not looked at.
-    pub(super) is_within: bool,
+    is_within: bool,
     /// In no doubt where there are no parts.
-    pub(super) is_clear: bool,
+    is_clear: bool,
 }
 
 /// Whether a link leads to parts of an edge.
@@ -145,7 +143,7 @@ impl Way<'_> {
         if !step.is_some() {
             return otherwise(self.tables, self.ray, cell, EXACT, starts);
         }
-        let crossing = self.crossing::<L, true>(step, starts);
+        let crossing = self.crossing::<L>(step, starts);
         let exit = crossing.exit;
         if crossing.is_clear && !is_split(exit.link) && exit.link != Step::PARTS {
             return Some(exit);
@@ -159,13 +157,7 @@ impl Way<'_> {
 
     /// The same where neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
     #[inline(always)]
-    pub(super) fn leave_otherwise(
-        &self,
-        cell: u32,
-        step: &Step,
-        crossing: &Crossing,
-        starts: bool,
-    ) -> Option<Exit> {
+    fn leave_otherwise(&self, cell: u32, step: &Step, crossing: &Crossing, starts: bool) -> Option<Exit> {
         let by = if crossing.is_within || crossing.is_clear {
             crossing.exit.by
         } else if step.height[0].is_nan() || step.height[1].is_nan() {
@@ -176,10 +168,10 @@ impl Way<'_> {
         otherwise(self.tables, self.ray, cell, by, starts)
     }
 
-    /// Where the ray leaves a simple prism, as far as f32 tells. Where `FORESEEN` a processor is to guess through what, as of rays that go
-    /// similar ways; else all is worked out.
+    /// Where the ray leaves a simple prism, as far as f32 tells. Whether through an edge is left to a processor's guess: it foresees that of rays
+    /// that go similar ways, and what follows need not wait.
     #[inline(always)]
-    pub(super) fn crossing<L: Lanes, const FORESEEN: bool>(&self, step: &Step, starts: bool) -> Crossing {
+    fn crossing<L: Lanes>(&self, step: &Step, starts: bool) -> Crossing {
         let [fx, fy, fz] = [self.from.x as f32, self.from.y as f32, self.from.z as f32];
         let [ax, ay, az] = [self.along.x as f32, self.along.y as f32, self.along.z as f32];
         let margin = BLURRED as f32 + self.rounding;
@@ -192,9 +184,10 @@ impl Way<'_> {
         let inward = ey.mul(x).sub(ex.mul(y));
         let across = along_x.mul(ey).sub(along_y.mul(ex));
         // From its right to its left.
-        let right = sides.signs();
-        let leaves = right & !(right >> 1 | right << (LANES - 1)) & 0xff;
-        let index = leaves.trailing_zeros() as usize % LANES;
+        let left = L::bits(L::splat(0.0).le(sides));
+        let leaves = !left & (left >> 1 | left << (LANES - 1)) & 0xff;
+        // The last, should rounding have made several.
+        let index = (leaves | 1).ilog2() as usize % LANES;
         let sides = sides.store();
         let (right, left) = (sides[index], sides[(index + 1) % LANES]);
         // Not the difference of the ends' sides, which are rounded as far as they are from the ray's origin.
@@ -213,32 +206,22 @@ impl Way<'_> {
         let least = margin * (ax.abs() + ay.abs());
         let is_within = is_there & (height >= floor + blur) & (height <= ceiling - blur);
         let passage = Passage { sides: [right, left], least, height, blur };
-        if FORESEEN && is_within {
+        if is_within {
             let is_clear = (-right >= least) & (left >= least);
             let off = self.rounding * (2.0 + slant);
             let exit = Exit { link: step.links[index], by: index as u32, t, off, exact: 0.0 };
             return Crossing { exit, passage, is_within, is_clear };
         }
         // Through the floor or the ceiling, well within their border: also of sides that it runs along and never comes to.
-        let (is_under, is_over) = (height <= floor - blur, height >= ceiling + blur);
-        let plane = if FORESEEN {
-            if is_over { ceiling } else { floor }
-        } else {
-            select_unpredictable(is_over, ceiling, floor)
-        };
+        let is_under = (az <= 0.0) & (height <= floor - blur);
+        let is_over = (az >= 0.0) & (height >= ceiling + blur);
+        let (plane, by) = if is_over { (ceiling, UP) } else { (floor, DOWN) };
         let steep = 1.0 / az;
-        let (steeply, tilt) = ((plane - fz) * steep, 2.0 + steep.abs());
+        let (t, tilt) = ((plane - fz) * steep, 2.0 + steep.abs());
         let well = size.mul(L::splat(WITHIN + self.rounding * tilt));
-        let is_well = L::bits(well.le(inward.sub(across.mul(L::splat(steeply))))) == 0xff;
-        let (mut by, mut t, mut off, slant) = (DOWN + usize::from(is_over), steeply, tilt, (t, 2.0 + slant));
-        let mut is_clear = is_there & (is_under | is_over) & is_well;
-        if !FORESEEN {
-            by = select_unpredictable(is_within, index, by);
-            t = select_unpredictable(is_within, slant.0, t);
-            off = select_unpredictable(is_within, slant.1, off);
-            is_clear |= is_within & (-right >= least) & (left >= least);
-        }
-        let exit = Exit { link: step.links[by], by: by as u32, t, off: self.rounding * off, exact: 0.0 };
+        let is_well = L::bits(well.le(inward.sub(across.mul(L::splat(t))))) == 0xff;
+        let is_clear = is_there & (is_under | is_over) & is_well;
+        let exit = Exit { link: step.links[by], by: by as u32, t, off: self.rounding * tilt, exact: 0.0 };
         Crossing { exit, passage, is_within, is_clear }
     }
 

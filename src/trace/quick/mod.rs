@@ -26,7 +26,7 @@ use super::ray::{Brief, Ray};
 use super::step::Step;
 use super::walk::{Found, Query, Surface, Walk, inverse};
 use crate::format::Views;
-use crate::format::records::Leaf;
+use crate::format::records::{Leaf, NodeRecord};
 pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, link};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
@@ -293,7 +293,11 @@ impl<'a> Way<'a> {
     #[inline(always)]
     pub(super) fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
         probe.node();
-        touches::<L>(self.tables, self.origin, self.direction, root, until)
+        let scene = &self.tables.scene[0];
+        let direction = self.direction.as_vec3().to_array();
+        let local = (self.origin - DVec3::from(scene.center)).as_vec3().to_array();
+        let node = &self.tables.nodes[root as usize];
+        touches::<L>(node, local, inverse(direction), until as f32, scene.slack)
     }
 
     #[inline(always)]
@@ -320,17 +324,18 @@ pub(super) fn nothing(limit: f64, cell: u32) -> Quick {
     Quick { found: Found { t: limit, triangle: NONE }, cell, source: NONE }
 }
 
-/// Whether a ray comes to any of a node's boxes before `until`.
+/// Whether a ray comes to any of a node's boxes before `until`: from a place relative to the scene's center, 1 by its direction.
 #[inline(always)]
-fn touches<L: Lanes>(tables: &Views, origin: DVec3, direction: DVec3, root: u32, until: f64) -> bool {
-    let scene = &tables.scene[0];
-    let (slack, until) = (scene.slack, until as f32);
-    let node = &tables.nodes[root as usize];
-    let inverse = inverse([direction.x as f32, direction.y as f32, direction.z as f32]);
-    let local = origin - DVec3::from(scene.center);
-    let local = [local.x as f32, local.y as f32, local.z as f32];
+pub(super) fn touches<L: Lanes>(
+    node: &NodeRecord,
+    local: [f32; 3],
+    inverse: [f32; 3],
+    until: f32,
+    slack: f32,
+) -> bool {
     let sides = [&node.lo, &node.hi];
-    let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 1e-6 + slack));
+    // A little more, for what f32 made of it.
+    let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 2e-6 + slack));
     for axis in 0..3 {
         // Not the lesser and the greater: the box of a lane without a child is inside out.
         let back = usize::from(inverse[axis] < 0.0);
