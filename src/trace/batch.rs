@@ -290,7 +290,7 @@ impl Scene {
         } else if is_large {
             Plan::Sorted
         } else if batch.kernel == Kernel::PORTABLE {
-            // Gathering rays into lanes takes longer there than it gives.
+            // It takes rays one by one anyway.
             Plan::One
         } else {
             Plan::Apart

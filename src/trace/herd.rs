@@ -4,6 +4,9 @@
 //! [`Query::test`] has it. What that finds does not depend on the order in which triangles are tested, so the answers are those of `walk`
 //! to the last bit.
 
+// For packets, which portable lanes do without.
+#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+
 use arrayvec::ArrayVec;
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
-use super::packet::{Answers, packets};
+use super::packet::Answers;
 use super::quick::{Quick, quick, quick_from};
 use super::ray::Ray;
 use super::walk::{Found, Query, Surface, Walk, walk};
@@ -140,7 +140,9 @@ impl Kernel {
     ) {
         let probe = &mut Plain { kernel: self, ask };
         match self.0 {
-            Set::Portable => packets::<Portable, _>(tables, rays, cells, scattered, answers, probe),
+            Set::Portable => {
+                answers.fill(rays, cells, |ray, cell| quick::<Portable, _>(tables, ray, cell, probe))
+            }
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::packets(tables, rays, cells, scattered, answers, probe),
             #[cfg(target_arch = "x86_64")]
