@@ -15,6 +15,7 @@ use std::arch::x86_64::{
 
 use super::entries::entries;
 use super::lanes::{Lanes, Wide};
+use super::packet::{self, Answers};
 use crate::format::records::LANES;
 
 /// Eight f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, so that
@@ -316,3 +317,33 @@ pub(super) fn is_available() -> bool {
 }
 
 entries!(Avx2, "avx2,fma,bmi1,bmi2,popcnt");
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+fn packets_here<P: Probe>(
+    tables: &Views,
+    rays: &[&Ray],
+    cells: &[u32],
+    scattered: bool,
+    answers: &mut Answers,
+    probe: &mut P,
+) {
+    packet::packets::<Avx2, P>(tables, rays, cells, scattered, answers, probe)
+}
+
+/// What rays meet that is in no doubt.
+///
+/// # Panics
+/// If the CPU lacks the instructions (debug builds).
+#[inline]
+pub(super) fn packets<P: Probe>(
+    tables: &Views,
+    rays: &[&Ray],
+    cells: &[u32],
+    scattered: bool,
+    answers: &mut Answers,
+    probe: &mut P,
+) {
+    debug_assert!(is_available());
+    // SAFETY: as in `run`.
+    unsafe { packets_here(tables, rays, cells, scattered, answers, probe) }
+}

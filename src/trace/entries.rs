@@ -1,6 +1,6 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick`, `quick_from` and `packets` do is compiled for those instructions within functions of their own, and only there; the
+//! What `walk`, `free`, `quick` and `quick_from` do is compiled for those instructions within functions of their own, and only there; the
 //! rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What of `quick` is
 //! seldom needed they call through [`Entries`], so that it does not stand within each of them.
 
@@ -31,7 +31,7 @@ impl Entries for Portable {
     }
 }
 
-/// The functions `run`, `free`, `quick`, `quick_from` and `packets` of a module that has `is_available`, on these lanes, and their [`Entries`].
+/// The functions `run`, `free`, `quick` and `quick_from` of a module that has `is_available`, on these lanes, and their [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
@@ -39,7 +39,6 @@ macro_rules! entries {
         use $crate::trace::entries::Entries;
         use $crate::trace::kernel::{Ask, Probe};
         use $crate::trace::locate;
-        use $crate::trace::packet::{self, Answers};
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
         use $crate::trace::walk::{self, Found, Query, Surface, Walk};
@@ -106,18 +105,6 @@ macro_rules! entries {
             quick::quick_from::<$lanes, P>(tables, ray, cell, surface, probe)
         }
 
-        #[target_feature(enable = $features)]
-        fn packets_here<P: Probe>(
-            tables: &Views,
-            rays: &[&Ray],
-            cells: &[u32],
-            scattered: bool,
-            answers: &mut Answers,
-            probe: &mut P,
-        ) {
-            packet::packets::<$lanes, P>(tables, rays, cells, scattered, answers, probe)
-        }
-
         /// The nearest hit, or some hit.
         ///
         /// # Panics
@@ -166,24 +153,6 @@ macro_rules! entries {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { quick_from_here(tables, ray, cell, surface, probe) }
-        }
-
-        /// What rays meet that is in no doubt.
-        ///
-        /// # Panics
-        /// If the CPU lacks the instructions (debug builds).
-        #[inline]
-        pub(super) fn packets<P: Probe>(
-            tables: &Views,
-            rays: &[&Ray],
-            cells: &[u32],
-            scattered: bool,
-            answers: &mut Answers,
-            probe: &mut P,
-        ) {
-            debug_assert!(is_available());
-            // SAFETY: as in `run`.
-            unsafe { packets_here(tables, rays, cells, scattered, answers, probe) }
         }
     };
 }

@@ -214,7 +214,7 @@ fn found_again(truth: &Scene, scene: &Scene) -> f64 {
 #[test]
 fn rooms_are_found_where_none_are_tagged() {
     for (building, styles) in cases() {
-        for (name, mut style) in styles {
+        for (number, (name, mut style)) in styles.into_iter().enumerate() {
             if style.rooms_missing > 0.0 || style.openings_missing > 0.0 || style.storey_spaces {
                 continue;
             }
@@ -222,7 +222,8 @@ fn rooms_are_found_where_none_are_tagged() {
             let noise = std::mem::take(&mut style.noisy_corners);
             let truth = scene(&building.export(&style).to_model().unwrap());
             style.noisy_corners = noise;
-            for openings_missing in [0.0, 1.0] {
+            let missing: &[f64] = if number == 0 { &[0.0, 1.0] } else { &[1.0] };
+            for &openings_missing in missing {
                 style.rooms_missing = 1.0;
                 style.openings_missing = openings_missing;
                 let found = scene(&building.export(&style).to_model().unwrap());
