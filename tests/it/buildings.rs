@@ -46,7 +46,7 @@ fn every_answer_is_right() {
         let scene = scene(&model);
         let roles = roles(&model, Untagged::default());
         let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
-        let options = VerifyOptions::default().with_rays(100_000).with_grid_rays(1000);
+        let options = VerifyOptions::default().with_rays(50_000).with_grid_rays(1000);
         let report = verify(&model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
         println!("{}: {:?}", path.display(), report.total);
         assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);

@@ -20,8 +20,8 @@ fn both(name: &str) -> [Crossings; 2] {
         options.convexification = how;
         let scene = compile(&model, &options).unwrap().scene();
         let roles = roles(&model, Untagged::default());
-        let mut verifying = VerifyOptions::default().with_rays(2000).with_grid_rays(2000);
-        (verifying.solid_rays, verifying.hard_rays) = (2000, 2000);
+        let mut verifying = VerifyOptions::default().with_rays(2000).with_grid_rays(200);
+        (verifying.solid_rays, verifying.hard_rays) = (500, 500);
         let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
         let report = verify(&model, |e| roles[e.0 as usize], &tracer, &verifying).unwrap();
         assert!(report.passed(), "{name}, {how:?}: {:#?}", report.wrong);

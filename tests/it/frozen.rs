@@ -45,8 +45,7 @@ fn frozen_scenes_are_what_the_generator_makes() {
         }
     }
     if bless {
-        let head =
-            "# Frozen scenes and cameras of benchmarks. Made by tests/frozen.rs with ENFILADE_BLESS=1.\n\n";
+        let head = "# Frozen scenes and cameras of benchmarks. Made by tests/it/frozen.rs with ENFILADE_BLESS=1.\n\n";
         let file = head.to_owned() + &FrozenScene::to_file(scenes).unwrap();
         std::fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/scenes.toml"), file).unwrap();
     }
