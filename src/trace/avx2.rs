@@ -280,11 +280,6 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0) })
     }
     #[inline(always)]
-    fn signs(self) -> u32 {
-        // SAFETY: see `Avx2`.
-        unsafe { _mm256_movemask_ps(self.0) as u32 }
-    }
-    #[inline(always)]
     fn differs(self, other: f32) -> u32 {
         // SAFETY: see `Avx2`.
         unsafe {

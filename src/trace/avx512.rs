@@ -5,12 +5,12 @@ use std::arch::x86_64::{
     __m256, __m512d, __mmask8, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
     _mm256_castps_si256, _mm256_cmp_ps_mask, _mm256_cmpneq_epi32_mask, _mm256_div_ps, _mm256_fmadd_ps,
     _mm256_fmsub_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_mask_blend_ps, _mm256_max_ps, _mm256_min_ps,
-    _mm256_movepi32_mask, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps,
-    _mm256_setr_epi32, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps, _mm512_abs_pd, _mm512_add_pd,
-    _mm512_castpd256_pd512, _mm512_cmp_pd_mask, _mm512_cvtpd_ps, _mm512_div_pd, _mm512_insertf64x4,
-    _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
-    _mm512_permutex2var_pd, _mm512_set1_pd, _mm512_setr_epi64, _mm512_sqrt_pd, _mm512_storeu_pd,
-    _mm512_sub_pd, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
+    _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
+    _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512,
+    _mm512_cmp_pd_mask, _mm512_cvtpd_ps, _mm512_div_pd, _mm512_insertf64x4, _mm512_loadu_pd,
+    _mm512_mask_blend_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_permutex2var_pd,
+    _mm512_set1_pd, _mm512_setr_epi64, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd,
+    _mm512_unpacklo_pd,
 };
 
 use super::avx2;
@@ -230,11 +230,6 @@ impl Lanes for Avx512 {
     fn select(mask: __mmask8, a: Self, b: Self) -> Self {
         // SAFETY: see `Avx512`.
         Avx512(unsafe { _mm256_mask_blend_ps(mask, b.0, a.0) })
-    }
-    #[inline(always)]
-    fn signs(self) -> u32 {
-        // SAFETY: see `Avx512`.
-        unsafe { _mm256_movepi32_mask(_mm256_castps_si256(self.0)).into() }
     }
     #[inline(always)]
     fn differs(self, other: f32) -> u32 {

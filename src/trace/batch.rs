@@ -319,18 +319,12 @@ impl Scene {
             None => aside(|| alone(starts.of(index), ray)),
         };
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
-            Plan::Apart => {
-                let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
-                self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
-                    answers[index] = answer(quick, starts, index, &rays[index]);
-                });
-            }
             Plan::One => {
                 for (index, (ray, to)) in rays.iter().zip(answers).enumerate() {
                     *to = alone(starts.of(index), ray);
                 }
             }
-            Plan::Together => {
+            Plan::Together | Plan::Apart => {
                 let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
                 self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
                     answers[index] = answer(quick, starts, index, &rays[index]);

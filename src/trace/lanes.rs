@@ -43,8 +43,6 @@ pub(crate) trait Lanes: Copy {
     fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `a` where the mask is, else `b`.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// Lane i is bit i: whether its sign is that of a negative number (or -0).
-    fn signs(self) -> u32;
     /// Lane i is bit i: whether its bits are not those of `other`.
     fn differs(self, other: f32) -> u32;
     /// Lane i is bit i.
@@ -281,14 +279,6 @@ impl Lanes for Portable {
             }
         }
         out
-    }
-    #[inline(always)]
-    fn signs(self) -> u32 {
-        let mut bits = 0;
-        for lane in 0..LANES {
-            bits |= (self.0[lane].to_bits() >> 31) << lane;
-        }
-        bits
     }
     #[inline(always)]
     fn differs(self, other: f32) -> u32 {

@@ -132,7 +132,7 @@ struct Packet<'a, L: Lanes> {
 }
 
 impl<'a, L: Entries> Packet<'a, L> {
-    /// Reads rays. Under way are those that `Way::new` would take, as far as it does not look where they go.
+    /// Reads rays. Under way are those that `quick` would take, as far as it does not look where they go.
     #[inline(always)]
     fn new(tables: &'a Views, rays: &'a [&'a Ray; LANES]) -> Self {
         let scene = &tables.scene[0];

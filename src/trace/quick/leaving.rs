@@ -56,7 +56,8 @@ impl Exit {
         if self.by == EXACT { self.exact } else { exact(tables, ray, cell, self.by) }
     }
 
-    fn exact(t: f64, link: u32) -> Exit {
+    /// At a place that is told.
+    fn at(t: f64, link: u32) -> Exit {
         let rounded = t as f32;
         Exit { link, by: EXACT, t: rounded, off: rounded.abs() * f32::EPSILON, exact: t }
     }
@@ -124,7 +125,7 @@ impl Passage {
             let starts = L::load(&split.starts);
             let sides = L::splat(right).add(L::splat(left - right).mul(starts));
             is_between &= L::bits(L::splat(self.least).le(sides.abs())) == 0xff;
-            let passed = sides.signs().count_ones();
+            let passed = LANES as u32 - L::bits(L::splat(0.0).le(sides)).count_ones();
             if passed < LANES as u32 || split.more == 0 {
                 break tables.parts.get((split.first + passed) as usize)?;
             }
@@ -138,7 +139,7 @@ impl Passage {
 impl Way<'_> {
     /// Where the ray leaves a prism of air, in which it starts, or which it came into.
     #[inline(always)]
-    pub(in crate::trace) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Option<Exit> {
+    pub(super) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Option<Exit> {
         let step = self.tables.steps.get(cell as usize)?;
         if !step.is_some() {
             return otherwise(self.tables, self.ray, cell, EXACT, starts);
@@ -152,14 +153,9 @@ impl Way<'_> {
             let link = crossing.passage.part::<L>(self.tables, exit.link & !Step::SPLIT)?;
             return Some(Exit { link, ..exit });
         }
-        self.leave_otherwise(cell, step, &crossing, starts)
-    }
-
-    /// The same where neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
-    #[inline(always)]
-    fn leave_otherwise(&self, cell: u32, step: &Step, crossing: &Crossing, starts: bool) -> Option<Exit> {
+        // Neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
         let by = if crossing.is_within || crossing.is_clear {
-            crossing.exit.by
+            exit.by
         } else if step.height[0].is_nan() || step.height[1].is_nan() {
             EXACT
         } else {
@@ -225,15 +221,9 @@ impl Way<'_> {
         Crossing { exit, passage, is_within, is_clear }
     }
 
-    /// Where the ray leaves a prism at an exit of it.
-    #[inline(always)]
-    pub(in crate::trace) fn exact(&self, cell: u32, exit: Exit) -> f64 {
-        exit.exact_of(self.tables, self.ray, cell)
-    }
-
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.
     #[inline(always)]
-    pub(in crate::trace) fn passes(&self, step: &Step, index: usize) -> f64 {
+    fn passes(&self, step: &Step, index: usize) -> f64 {
         if index >= LANES {
             return (f64::from(step.height[index - LANES]) - self.from.z) * (1.0 / self.along.z);
         }
@@ -368,7 +358,7 @@ impl Way<'_> {
         let blur = |grows: f64| BLURRED * (2.0 + slant * grows.abs());
         let (blur_floor, blur_ceiling) = (blur(falls), blur(rises));
         if over >= blur_floor && under >= blur_ceiling {
-            return Some(Exit::exact(t, self.face(&sides[side], t, slant)?));
+            return Some(Exit::at(t, self.face(&sides[side], t, slant)?));
         }
         // Out of one of them, and well within the other there.
         let is_down = over <= -blur_floor;
@@ -387,7 +377,7 @@ impl Way<'_> {
         if !is_within {
             return None;
         }
-        Some(Exit::exact(t, self.cover(cell, is_down, at, grows)?))
+        Some(Exit::at(t, self.cover(cell, is_down, at, grows)?))
     }
 
     /// Where the part of a floor or ceiling leads that the ray passes.
@@ -450,7 +440,7 @@ fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Opt
         let at = [way.from.x + t * way.along.x, way.from.y + t * way.along.y];
         way.cover(cell, by as usize == DOWN, at, way.along.z)?
     };
-    Some(Exit::exact(t, link))
+    Some(Exit::at(t, link))
 }
 
 /// Where a ray passes an edge of a simple prism, or its floor or its ceiling.

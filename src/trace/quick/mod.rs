@@ -4,8 +4,8 @@
 //! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
 //! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
 //! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
-//! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the common one. No file makes it long, as it enters no more prisms than there are;
-//! that plain faces are plain is the file's word.
+//! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the
+//! common one. No file makes it long, as it enters no more prisms than there are; that plain faces are plain is the file's word.
 
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -139,13 +139,13 @@ pub(super) fn quick_from<L: Entries, P: Probe>(
 
 /// A ray under way. What is seldom asked of it is not told where it is, but works it out anew: so that it stays in registers.
 #[derive(Clone, Copy)]
-pub(super) struct Way<'a> {
+struct Way<'a> {
     tables: &'a Views,
-    /// As the caller has it, save that the direction is unit.
     ray: &'a Ray,
+    /// As the ray has them, save that the direction is unit.
     origin: DVec3,
     direction: DVec3,
-    pub(super) limit: f64,
+    limit: f64,
     /// What it starts on, if on anything.
     surface: Option<&'a Surface>,
     /// Along the lattice's axes, from its origin.
@@ -157,7 +157,7 @@ pub(super) struct Way<'a> {
 
 impl<'a> Way<'a> {
     #[inline(always)]
-    pub(super) fn new(tables: &'a Views, ray: &'a Ray) -> Option<Self> {
+    fn new(tables: &'a Views, ray: &'a Ray) -> Option<Self> {
         let scene = &tables.scene[0];
         let mut direction = DVec3::from(ray.direction);
         let squared = direction.length_squared();
@@ -235,7 +235,7 @@ impl<'a> Way<'a> {
             let root = self.root(cell);
             let until = self.until(if ends { end.t } else { here.at_most() });
             if self.may_meet::<L>(root, until, probe) {
-                let until = self.until(if ends { end.t } else { self.exact(cell, here) });
+                let until = self.until(if ends { end.t } else { here.exact_of(tables, self.ray, cell) });
                 let found = self.detail(root, 0.0, until, probe);
                 if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
                     (end, source) = (found, NONE);
@@ -244,13 +244,14 @@ impl<'a> Way<'a> {
             if end.triangle != NONE {
                 return Some(self.met(cell, end, source));
             }
-            if here.at_most() > self.limit && self.exact(cell, here) > self.limit + tables.scene[0].tolerance
+            if here.at_most() > self.limit
+                && here.exact_of(tables, self.ray, cell) > self.limit + tables.scene[0].tolerance
             {
                 return Some(self.nothing(cell));
             }
             if here.link == Step::AROUND {
                 // Where cells say that it leaves them, or a little before: what it passed within them it did not meet.
-                let from = self.exact(cell, here) - NEAR;
+                let from = here.exact_of(tables, self.ray, cell) - NEAR;
                 let found = self.detail(tables.cells[0].root, from, self.limit, probe);
                 return Some(if found.triangle == NONE {
                     self.nothing(0)
@@ -279,19 +280,20 @@ impl<'a> Way<'a> {
     /// The end of a search for detail before `t`.
     #[inline(always)]
     fn until(&self, t: f64) -> f64 {
-        until(t, self.limit)
+        let until = t + NEAR;
+        if until < self.limit { until } else { self.limit }
     }
 
     /// The root of the detail of a cell that the ray leaves.
     #[inline(always)]
-    pub(super) fn root(&self, cell: u32) -> u32 {
+    fn root(&self, cell: u32) -> u32 {
         let step = &self.tables.steps[cell as usize];
         if step.is_some() { step.root } else { self.tables.cells[cell as usize].root }
     }
 
     /// Whether the ray comes to any of a node's boxes before `until`.
     #[inline(always)]
-    pub(super) fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
+    fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
         probe.node();
         let scene = &self.tables.scene[0];
         let direction = self.direction.as_vec3().to_array();
@@ -301,21 +303,14 @@ impl<'a> Way<'a> {
     }
 
     #[inline(always)]
-    pub(super) fn detail(&self, root: u32, from: f64, until: f64, probe: &mut impl Probe) -> Found {
+    fn detail(&self, root: u32, from: f64, until: f64, probe: &mut impl Probe) -> Found {
         detail(self.tables, self.ray, self.surface, root, [from, until], probe)
     }
 
     #[inline(always)]
-    pub(super) fn nothing(&self, cell: u32) -> Quick {
+    fn nothing(&self, cell: u32) -> Quick {
         nothing(self.limit, cell)
     }
-}
-
-/// The end of a search for detail before `t`.
-#[inline(always)]
-fn until(t: f64, limit: f64) -> f64 {
-    let until = t + NEAR;
-    if until < limit { until } else { limit }
 }
 
 /// That a ray ends at `limit`, in a cell.
