@@ -12,7 +12,7 @@ use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{Found, Query, Surface, Walk, each};
 use crate::format::Views;
-use crate::format::records::{CellRecord, SourceRecord};
+use crate::format::records::CellRecord;
 use crate::scene::Scene;
 
 /// Planes nearer to the origin of a restarted ray than this, in metres per metre of coordinate, count as the one
@@ -52,7 +52,7 @@ pub struct Want {
     /// In [`Hit::semantic`] the kind of the face that was met, where one was, instead of the element's meaning: costs a search
     /// among the faces of a cell.
     pub face: bool,
-    /// In [`Hit::triangle`] the very triangle, not another in its plane, of the same element and material: costs a test of all
+    /// In [`Hit::triangle`] the very triangle, not another in its plane, of the same element and material: costs a look at the
     /// triangles of a face, or a walk through their hierarchy.
     pub triangle: bool,
 }
@@ -181,27 +181,34 @@ impl Scene {
         let mut hit = self.describe(&line, Ended { found, cell, in_matter: false }, want);
         if want.triangle
             && source != NONE
-            && let Some(triangle) = self.very_triangle(&line, source)
+            && let Some(triangle) = self.very_triangle(&line, source, found.t)
         {
             hit.triangle = triangle;
         }
         hit
     }
 
-    /// The first triangle of a source that the ray meets.
-    fn very_triangle(&self, line: &Line, source: u32) -> Option<u32> {
-        let walk = Walk::new(&self.tables);
-        let mut query = line.query(&self.tables, None);
+    /// The triangle of a source that the ray meets, where it meets its plane at `t`.
+    fn very_triangle(&self, line: &Line, source: u32, t: f64) -> Option<u32> {
+        let (tables, walk) = (&self.tables, Walk::new(&self.tables));
+        let root = tables.sources.get(source as usize)?.root;
         let mut best = Found { t: f64::INFINITY, triangle: NONE };
-        if let Some(&SourceRecord { root, .. }) = self.tables.sources.get(source as usize)
-            && root != NONE
-        {
+        if root != NONE {
+            let mut query = line.query(tables, None);
             query.aim(root, f64::INFINITY);
             best = self.kernel.run(Ask::First, &walk, &query);
-            return (best.triangle != NONE).then_some(best.triangle);
-        }
-        for &triangle in Prisms::new(&self.tables).triangles_of(source) {
-            query.test(&walk, triangle, &mut best);
+        } else {
+            let triangles = Prisms::new(tables).triangles_of(source);
+            let point = line.origin + line.direction * t;
+            let holder =
+                tables.plates.get(source as usize).and_then(|plate| plate.holder(&walk, triangles, point));
+            if holder.is_some() {
+                return holder;
+            }
+            let query = line.query(tables, None);
+            for &triangle in triangles {
+                query.test(&walk, triangle, &mut best);
+            }
         }
         (best.triangle != NONE).then_some(best.triangle)
     }

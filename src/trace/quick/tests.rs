@@ -38,7 +38,7 @@ fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
 /// That it answers nearly all, and as the careful walk does: the same on all kernels.
 fn check(name: &str, scene: &Scene, share: f64) {
     let rays = rays(scene, 40_000, 5);
-    let (mut quick, mut hits) = (0, 0);
+    let (mut quick, mut hits, mut others) = (0, 0, 0);
     for (cell, ray) in &rays {
         let found: Vec<Option<Quick>> =
             Kernel::available().into_iter().map(|k| k.quick(Ask::First, &scene.tables, ray, *cell)).collect();
@@ -58,10 +58,16 @@ fn check(name: &str, scene: &Scene, share: f64) {
             hits += 1;
             // The plane of a source's triangles is theirs to a micrometre.
             assert!((found.t - careful.t).abs() <= 1e-6 / GRAZING, "{name}: {ray:?} {found:?} {careful:?}");
+            let whole = scene.trace_from(Start::Cell(*cell), ray, Want::default());
+            // Flush with it another may stand.
+            let is_other = whole.element != careful.element;
+            assert!(is_other || whole.triangle == careful.triangle, "{name}: {ray:?} {whole:?} {careful:?}");
+            others += u32::from(is_other);
         }
     }
     let answered = f64::from(quick) / rays.len() as f64;
     assert!(answered >= share && hits > quick / 4, "{name}: {answered} of the rays, {hits} hits of {quick}");
+    assert!(others * 1000 < hits, "{name}: {others} of {hits} hits are of other elements");
 }
 
 #[test]
