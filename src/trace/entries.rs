@@ -13,7 +13,7 @@ use crate::format::Views;
 /// Lanes for which what is seldom needed is compiled by itself.
 pub(super) trait Entries: Lanes {
     /// Where a ray leaves a prism of air, in which it starts, or which it came into.
-    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit>;
+    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit;
 
     /// What a ray meets from a cell on, which it leaves at `exit`, that is in no doubt.
     fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick>;
@@ -21,7 +21,7 @@ pub(super) trait Entries: Lanes {
 
 impl Entries for Portable {
     #[inline(never)]
-    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+    fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
         leave::<Portable>(tables, ray, cell, starts)
     }
 
@@ -59,7 +59,7 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn leave_here(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+        fn leave_here(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
             quick::leave::<$lanes>(tables, ray, cell, starts)
         }
 
@@ -76,7 +76,7 @@ macro_rules! entries {
 
         impl Entries for $lanes {
             #[inline(always)]
-            fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+            fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
                 // SAFETY: lanes of this type are used by the functions here only, for which that holds.
                 unsafe { leave_here(tables, ray, cell, starts) }
             }

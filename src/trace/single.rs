@@ -128,20 +128,24 @@ impl Scene {
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
         match self.quick(kernel, Ask::First, start, ray) {
             Ok(quick) => quick.brief(),
-            Err(place) => self.brief(kernel, known(start, ray, place), ray),
+            Err(place) => {
+                // Told in registers, so that the answer stays there in the other case, too.
+                let (t, [triangle, cell]) = self.brief(kernel, known(start, ray, place), ray);
+                Brief { t, triangle, cell }
+            }
         }
     }
 
     /// The same where there is doubt.
     #[cold]
     #[inline(never)]
-    fn brief(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
+    fn brief(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> (f64, [u32; 2]) {
         let hit = self.answer(start, ray, Want::LEAST, &mut Plain { kernel, ask: Ask::First });
-        Brief { t: hit.t, triangle: hit.triangle, cell: hit.cell }
+        (hit.t, [hit.triangle, hit.cell])
     }
 
     /// What the quick way answers, or the cell in which the ray starts, if that is known.
-    #[inline]
+    #[inline(always)]
     fn quick(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
         if let Start::Cell(cell) = start {
             if let Some(quick) = kernel.quick(ask, &self.tables, ray, cell) {

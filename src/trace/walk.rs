@@ -348,6 +348,27 @@ impl Count for () {
     fn test(&mut self) {}
 }
 
+/// A node that waits, and how near it is: one word, since a processor that reads together what was written apart waits until both are in its cache.
+#[derive(Clone, Copy)]
+struct Waiting(u64);
+
+impl Waiting {
+    #[inline(always)]
+    fn new(node: u32, near: f32) -> Waiting {
+        Waiting(u64::from(near.to_bits()) << 32 | u64::from(node))
+    }
+
+    #[inline(always)]
+    fn node(self) -> u32 {
+        self.0 as u32
+    }
+
+    #[inline(always)]
+    fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+}
+
 /// The nearest hit, or some hit.
 #[inline(always)]
 pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &mut impl Count) -> Found {
@@ -361,7 +382,7 @@ pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &m
     let first = query.limit(query.tmin, slack) - 4.0 * slack;
     let first = L::splat(first.max(-slack));
     let mut limit = query.limit(best.t, slack);
-    let mut stack = ArrayVec::<(u32, f32), STACK>::new();
+    let mut stack = ArrayVec::<Waiting, STACK>::new();
     let entered = each(query.inverse, |d| usize::from(d < 0.0));
     let mut current = query.root;
     loop {
@@ -387,23 +408,24 @@ pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &m
                 }
                 // The nearest first; the others on the stack, the farthest first.
                 let near = near.store();
-                let mut nearest = (node.child[first_hit], near[first_hit]);
+                let mut nearest = Waiting::new(node.child[first_hit], near[first_hit]);
                 let bottom = stack.len();
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
-                    let mut entry = (node.child[lane], near[lane]);
-                    if entry.1 < nearest.1 {
+                    let mut entry = Waiting::new(node.child[lane], near[lane]);
+                    if entry.near() < nearest.near() {
                         std::mem::swap(&mut entry, &mut nearest);
                     }
                     let mut place = stack.len();
                     stack.push(entry);
-                    while place > bottom && stack[place - 1].1 < entry.1 {
-                        stack.swap(place - 1, place);
+                    while place > bottom && stack[place - 1].near() < entry.near() {
+                        stack[place] = stack[place - 1];
                         place -= 1;
+                        stack[place] = entry;
                     }
                 }
-                current = nearest.0;
+                current = nearest.node();
                 continue;
             }
         } else {
@@ -438,9 +460,9 @@ pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &m
             }
         }
         loop {
-            let Some((node, near)) = stack.pop() else { return best };
-            if near <= limit {
-                current = node;
+            let Some(waiting) = stack.pop() else { return best };
+            if waiting.near() <= limit {
+                current = waiting.node();
                 break;
             }
         }

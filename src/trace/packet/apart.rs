@@ -50,7 +50,7 @@ impl<L: Entries> Packet<'_, L> {
         let ends = crossed.t.add(crossed.off);
         let mut until = ends.store();
         for lane in lanes(self.under_way & !ready) {
-            let Some(exit) = L::leave(tables, self.rays[lane], cells[lane], starts) else { continue };
+            let exit = L::leave(tables, self.rays[lane], cells[lane], starts);
             if exit.link >= Step::AROUND {
                 if let Some(quick) = L::onward(tables, self.rays[lane], cells[lane], exit, probe) {
                     group.answers.put(group.numbers[lane], quick);

@@ -99,9 +99,8 @@ pub(super) fn packets<L: Entries, P: Probe>(
     for at in 0..pool.len {
         let (number, cell) = (pool.ray[at], pool.cell[at]);
         let ray = rays[usize::from(number) % BLOCK];
-        if let Some(exit) = L::leave(tables, ray, cell, starts)
-            && let Some(quick) = L::onward(tables, ray, cell, exit, probe)
-        {
+        let exit = L::leave(tables, ray, cell, starts);
+        if let Some(quick) = L::onward(tables, ray, cell, exit, probe) {
             answers.put(number, quick);
         }
     }

@@ -16,17 +16,17 @@ use crate::trace::ray::Ray;
 use crate::trace::step::Step;
 
 /// Where a ray leaves a prism, and where that leads.
+///
+/// Of three words that are written and read one by one: a processor that reads two at once which were written apart waits until both are in its
+/// cache.
 #[derive(Clone, Copy)]
 pub(in crate::trace) struct Exit {
-    /// A link of [`Step`].
+    /// Where, metres along it: to rounding of f64 if it is `EXACT`, else not before that.
+    t: f64,
+    /// A link of [`Step`]; [`Step::OTHER`] in doubt.
     pub(in crate::trace) link: u32,
     /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; else [`EXACT`].
     by: u32,
-    /// Where, metres along it, give or take `off`.
-    t: f32,
-    off: f32,
-    /// The same where it is `EXACT`.
-    exact: f64,
 }
 
 /// In the place of an edge: the floor, the ceiling.
@@ -40,9 +40,8 @@ const EXACT: u32 = u32::MAX;
 const WITHIN: f32 = 1.25 * BLURRED as f32;
 
 impl Exit {
-    /// Of no ray.
-    pub(in crate::trace) const NONE: Exit =
-        Exit { link: Step::OTHER, by: EXACT, t: 0.0, off: 0.0, exact: 0.0 };
+    /// In doubt.
+    pub(in crate::trace) const NONE: Exit = Exit { t: 0.0, link: Step::OTHER, by: EXACT };
 
     /// Through an edge of a simple prism, its floor or its ceiling, wherever that leads.
     #[inline(always)]
@@ -53,25 +52,24 @@ impl Exit {
     /// Where a ray leaves the cell, to rounding of f64.
     #[inline(always)]
     pub(in crate::trace) fn exact_of(&self, tables: &Views, ray: &Ray, cell: u32) -> f64 {
-        if self.by == EXACT { self.exact } else { exact(tables, ray, cell, self.by) }
+        if self.by == EXACT { self.t } else { exact(tables, ray, cell, self.by) }
     }
 
     /// At a place that is told.
     fn at(t: f64, link: u32) -> Exit {
-        let rounded = t as f32;
-        Exit { link, by: EXACT, t: rounded, off: rounded.abs() * f32::EPSILON, exact: t }
+        Exit { t, link, by: EXACT }
     }
 
-    /// It does not leave before.
+    /// Through an edge, the floor or the ceiling, about there.
     #[inline(always)]
-    pub(super) fn at_least(&self) -> f64 {
-        f64::from(self.t) - f64::from(self.off)
+    fn about(t: f32, off: f32, link: u32, by: usize) -> Exit {
+        Exit { t: f64::from(t) + f64::from(off), link, by: by as u32 }
     }
 
     /// It does not leave after.
     #[inline(always)]
     pub(in crate::trace) fn at_most(&self) -> f64 {
-        f64::from(self.t) + f64::from(self.off)
+        self.t
     }
 }
 
@@ -139,19 +137,19 @@ impl Passage {
 impl Way<'_> {
     /// Where the ray leaves a prism of air, in which it starts, or which it came into.
     #[inline(always)]
-    pub(super) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Option<Exit> {
-        let step = self.tables.steps.get(cell as usize)?;
+    pub(super) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Exit {
+        let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
         if !step.is_some() {
-            return otherwise(self.tables, self.ray, cell, EXACT, starts);
+            return self.otherwise(cell, EXACT, starts);
         }
         let crossing = self.crossing::<L>(step, starts);
         let exit = crossing.exit;
         if crossing.is_clear && !is_split(exit.link) && exit.link != Step::PARTS {
-            return Some(exit);
+            return exit;
         }
         if crossing.is_within && is_split(exit.link) {
-            let link = crossing.passage.part::<L>(self.tables, exit.link & !Step::SPLIT)?;
-            return Some(Exit { link, ..exit });
+            let part = crossing.passage.part::<L>(self.tables, exit.link & !Step::SPLIT);
+            return Exit { link: part.unwrap_or(Step::OTHER), ..exit };
         }
         // Neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
         let by = if crossing.is_within || crossing.is_clear {
@@ -159,9 +157,16 @@ impl Way<'_> {
         } else if step.height[0].is_nan() || step.height[1].is_nan() {
             EXACT
         } else {
-            return None;
+            return Exit::NONE;
         };
-        otherwise(self.tables, self.ray, cell, by, starts)
+        self.otherwise(cell, by, starts)
+    }
+
+    #[inline(always)]
+    fn otherwise(&self, cell: u32, by: u32, starts: bool) -> Exit {
+        // Taken apart, so that what others return stays in registers, too.
+        let Exit { t, link, by } = otherwise(self.tables, self.ray, cell, by, starts).unwrap_or(Exit::NONE);
+        Exit { t, link, by }
     }
 
     /// Where the ray leaves a simple prism, as far as f32 tells. Whether through an edge is left to a processor's guess: it foresees that of rays
@@ -205,7 +210,7 @@ impl Way<'_> {
         if is_within {
             let is_clear = (-right >= least) & (left >= least);
             let off = self.rounding * (2.0 + slant);
-            let exit = Exit { link: step.links[index], by: index as u32, t, off, exact: 0.0 };
+            let exit = Exit::about(t, off, step.links[index], index);
             return Crossing { exit, passage, is_within, is_clear };
         }
         // Through the floor or the ceiling, well within their border: also of sides that it runs along and never comes to.
@@ -217,7 +222,7 @@ impl Way<'_> {
         let well = size.mul(L::splat(WITHIN + self.rounding * tilt));
         let is_well = L::bits(well.le(inward.sub(across.mul(L::splat(t))))) == 0xff;
         let is_clear = is_there & (is_under | is_over) & is_well;
-        let exit = Exit { link: step.links[by], by: by as u32, t, off: self.rounding * tilt, exact: 0.0 };
+        let exit = Exit::about(t, self.rounding * tilt, step.links[by], by);
         Crossing { exit, passage, is_within, is_clear }
     }
 

@@ -78,7 +78,7 @@ pub(super) fn quick<L: Entries, P: Probe>(
     probe: &mut P,
 ) -> Option<Quick> {
     let way = Way::new(tables, ray)?;
-    let exit = way.leave::<L>(cell, true)?;
+    let exit = way.leave::<L>(cell, true);
     // Most end in the cell in which they start. Others are looked at elsewhere, so that nothing is kept for that.
     if exit.link & Step::PLATE == 0 || exit.link == Step::AROUND {
         return L::onward(tables, ray, cell, exit, probe);
@@ -98,8 +98,8 @@ pub(super) fn quick<L: Entries, P: Probe>(
 
 /// Where a ray leaves a prism of air, in which it starts, or which it came into.
 #[inline(always)]
-pub(super) fn leave<L: Lanes>(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
-    Way::new(tables, ray)?.leave::<L>(cell, starts)
+pub(super) fn leave<L: Lanes>(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
+    Way::new(tables, ray).map_or(Exit::NONE, |way| way.leave::<L>(cell, starts))
 }
 
 /// What a ray meets from a cell on, which it leaves at `exit`.
@@ -128,8 +128,8 @@ pub(super) fn quick_from<L: Entries, P: Probe>(
     if !(way.direction.dot(surface.normal) >= GRAZING && way.starts_beside::<L>(cell)?) {
         return None;
     }
-    let exit = way.leave::<L>(cell, false)?;
-    if !(exit.at_least() >= FROM_SURFACE) {
+    let exit = way.leave::<L>(cell, false);
+    if !(exit.exact_of(tables, ray, cell) >= FROM_SURFACE) {
         return None;
     }
     let quick = way.onward::<L>(cell, exit, probe)?;
@@ -260,7 +260,7 @@ impl<'a> Way<'a> {
                 });
             }
             cell = here.link;
-            here = self.leave::<L>(cell, false)?;
+            here = self.leave::<L>(cell, false);
         }
         None
     }
