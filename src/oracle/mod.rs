@@ -3,7 +3,7 @@
 //! It shares no code with the tracer, and uses other formulas: the sides of edges with exact signs where f64 is not
 //! sure (`triangle`), a search through all triangles (`brute`), nested uniform grids that rule triangles out
 //! for the large runs (`grid`, checked against the brute force by [`Truth::check_grid`]), solid angles for what is
-//! inside a solid (`shell`). What makes an answer *right* is written down in [`right`].
+//! inside a solid (`shell`). Its own error is known from [`rational`], which does not round at all. What makes an answer *right* is written down in [`right`].
 
 mod arrangement;
 mod brute;
@@ -13,6 +13,7 @@ pub(crate) mod fixtures;
 mod grid;
 mod leave;
 mod random;
+pub mod rational;
 pub mod rays;
 pub mod right;
 mod shell;
@@ -25,6 +26,7 @@ use enfilade_importers::{ElementId, Model, Role};
 
 use crate::parallel;
 
+pub use rational::{First, On};
 pub use rays::{RayKind, RaySource};
 pub use right::{Judgement, Verdict, Why};
 pub use soup::Nearest;

@@ -85,10 +85,13 @@ impl Soup {
     }
 
     pub(crate) fn nearest(&self, best: Best) -> Option<Nearest> {
-        (best.index != u32::MAX).then(|| {
-            let element = self.element(best.index);
-            Nearest { t: best.t, element, triangle: best.index - self.first[element.0 as usize] }
-        })
+        (best.index != u32::MAX).then(|| self.at(best.index, best.t))
+    }
+
+    /// Triangle `index` as met at `t`.
+    pub(crate) fn at(&self, index: u32, t: f64) -> Nearest {
+        let element = self.element(index);
+        Nearest { t, element, triangle: index - self.first[element.0 as usize] }
     }
 }
 
