@@ -6,9 +6,9 @@ use glam::DVec3;
 use super::NONE;
 use super::walk::Walk;
 
-/// A triangle holds a point well if its border is at least so far away, metres: more than a source's triangles are off their plane, seen at a
-/// sine of [`GRAZING`](super::quick::GRAZING).
-const WELL: f64 = 1e-4;
+/// A triangle holds a point well if its border is at least so far away, metres: more than a source's triangles are off their plane, two micrometres,
+/// seen at a sine of [`GRAZING`](super::quick::GRAZING).
+const WELL: f64 = 2e-4;
 
 /// The plane of a source's triangles: `normal . p = offset`, internal frame, metres. Zeros where they lie in none.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -42,7 +42,8 @@ impl Plate {
             // How far within each side it is, times at most the side's size, and that.
             let sides = [0, 1, 2].map(|side| {
                 let ([ax, ay], [bx, by]) = (corners[side], corners[(side + 1) % 3]);
-                let well = WELL * ((bx - ax).abs() + (by - ay).abs());
+                // Nor does a triangle that is a point hold any.
+                let well = WELL * ((bx - ax).abs() + (by - ay).abs()) + f64::MIN_POSITIVE;
                 (ax * by - ay * bx, well)
             });
             sides.iter().all(|&(within, well)| within >= well)

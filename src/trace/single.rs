@@ -53,7 +53,7 @@ pub struct Want {
     /// among the faces of a cell.
     pub face: bool,
     /// In [`Hit::triangle`] the very triangle, not another in its plane, of the same element and material: costs a look at the
-    /// triangles of a face, or a walk through their hierarchy.
+    /// triangles of a face, or a walk through their hierarchy. Of several on each other, one.
     pub triangle: bool,
 }
 

@@ -58,7 +58,7 @@ impl<L: Entries> Packet<'_, L> {
                 continue;
             }
             (alone, ready) = (alone | 1 << lane, ready | 1 << lane);
-            (links[lane], exits[lane], until[lane]) = (exit.link, exit, exit.at_most().next_up() as f32);
+            (links[lane], exits[lane], until[lane]) = (exit.link, exit, exit.at_most() as f32);
             if simple >> lane & 1 == 0 {
                 roots[lane] = tables.cells[cells[lane] as usize].root;
             }

@@ -21,7 +21,7 @@ use crate::trace::step::Step;
 /// cache.
 #[derive(Clone, Copy)]
 pub(in crate::trace) struct Exit {
-    /// Where, metres along it: to rounding of f64 if it is `EXACT`, else not before that.
+    /// Where, metres along it: to rounding of f64 if it is `EXACT`; else it leaves no later.
     t: f64,
     /// A link of [`Step`]; [`Step::OTHER`] in doubt.
     pub(in crate::trace) link: u32,
