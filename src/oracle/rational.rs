@@ -367,6 +367,9 @@ mod tests {
         assert!((first.off(exact + 0.5) - 0.5).abs() < 1e-12);
     }
 
+    /// A share in whole numbers, numerator and denominator, and what is met there.
+    type Whole = ([i128; 2], Vec<(u32, On)>);
+
     /// In whole numbers: (sides, numerator and denominator of the share).
     fn whole(ray: &[[i128; 3]; 2], corners: &[[i128; 3]; 3]) -> ([i128; 3], [i128; 2]) {
         let [o, d] = ray;
@@ -406,7 +409,7 @@ mod tests {
             prop_assume!(!triangles.is_empty());
             let truth = truth(&triangles.iter().map(|t| [0, 1, 2].map(|i| float(&t[i]))).collect::<Vec<_>>());
             let ray = [origin, direction].map(|p| p.map(i128::from));
-            let mut best: Option<([i128; 2], Vec<(u32, On)>)> = None;
+            let mut best: Option<Whole> = None;
             for (index, corners) in triangles.iter().zip(0u32..).map(|(t, i)| (i, [0, 1, 2].map(|k| t[k].map(i128::from)))) {
                 let (sides, share) = whole(&ray, &corners);
                 let zeros = sides.iter().filter(|side| **side == 0).count();
