@@ -12,10 +12,10 @@ use std::cmp::Ordering;
 
 use dashu_ratio::Relaxed;
 
+use super::Truth;
 use super::soup::{Nearest, first_t};
-use super::triangle::{Corners, Line, Size};
-use super::vector::{cross, dot, max_abs, sub};
-use super::{Truth, start};
+use super::triangle::{Corners, Line, Size, sides};
+use super::vector::max_abs;
 use crate::trace::Ray;
 
 /// A vector of rational numbers.
@@ -158,27 +158,20 @@ impl Exactly {
         let across = times(&normal, &self.direction);
         let sides = [0, 1, 2].map(|i| along(&across, &from[i]));
         let places = [0, 1, 2].map(|i| along(&self.direction, &from[i]) / &self.square);
-        let mut ends: Option<[Relaxed; 2]> = None;
-        let mut add = |place: Relaxed| {
-            ends = Some(match ends.take() {
-                None => [place.clone(), place],
-                Some([least, most]) if place < least => [place, most],
-                Some([least, most]) if place > most => [least, place],
-                same => return ends = same,
-            });
-        };
-        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let crossed = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(i, j)| {
             match (sign(&sides[i]), sign(&sides[j])) {
-                (Ordering::Equal, _) => add(places[i].clone()),
-                (_, Ordering::Equal) => {}
-                (a, b) if a != b => {
+                (Ordering::Equal, _) => Some(places[i].clone()),
+                // As the start of the next edge.
+                (_, Ordering::Equal) => None,
+                (a, b) if a == b => None,
+                _ => {
                     let share = &sides[i] / (&sides[i] - &sides[j]);
-                    add(&places[i] + share * (&places[j] - &places[i]));
+                    Some(&places[i] + share * (&places[j] - &places[i]))
                 }
-                _ => {}
             }
-        }
-        ends
+        });
+        let crossed: Vec<Relaxed> = crossed.collect();
+        Some([crossed.iter().min()?.clone(), crossed.iter().max()?.clone()])
     }
 
     /// Whether a place along the line is within the ray's segment.
@@ -198,12 +191,7 @@ impl Exactly {
 
 /// Whether f64 is sure that a line misses a triangle.
 fn is_missed(line: &Line, corners: &Corners, size: Size) -> bool {
-    let [a, b, c] = corners.map(|corner| sub(corner, line.origin));
-    let sides = [
-        dot(line.direction, cross(b, sub(corners[2], corners[1]))),
-        dot(line.direction, cross(c, sub(corners[0], corners[2]))),
-        dot(line.direction, cross(a, sub(corners[1], corners[0]))),
-    ];
+    let sides = sides(line, corners);
     // What vanishes in f64 as well.
     let error = 4.0 * size.side_error(line.reach) + f64::MIN_POSITIVE;
     sides.iter().all(|side| side.is_finite())
@@ -216,7 +204,6 @@ impl Truth {
     /// [`Truth::nearest`].
     pub fn first(&self, ray: &Ray) -> Option<First> {
         let line = Line::new(ray)?;
-        start(ray)?;
         let exactly = Exactly::new(ray);
         // What f64 takes for the nearest tells how far to look; if there is nothing that far, as far as the ray goes.
         let near = self.nearest(ray).map(|nearest| nearest.t + 2.0 * self.tolerance.max(1e-3));
@@ -270,6 +257,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::fixtures::{Shape, model};
+    use super::super::vector::cross;
     use super::super::{RayKind, RaySource, TruthOptions};
     use super::*;
     use crate::splitmix::SplitMix64;

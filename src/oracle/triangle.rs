@@ -79,13 +79,7 @@ impl Size {
 /// Where the whole line (both ways from its origin) pierces the triangle of that size: `t` along the normalised
 /// direction, to within [`T_ERROR`].
 pub(crate) fn pierce(line: &Line, corners: &Corners, size: Size) -> Option<f64> {
-    let [a, b, c] = corners.map(|corner| sub(corner, line.origin));
-    let d = line.direction;
-    let sides = [
-        dot(d, cross(b, sub(corners[2], corners[1]))),
-        dot(d, cross(c, sub(corners[0], corners[2]))),
-        dot(d, cross(a, sub(corners[1], corners[0]))),
-    ];
+    let sides = sides(line, corners);
     let error = size.side_error(line.reach);
     let low = sides[0].min(sides[1]).min(sides[2]);
     let high = sides[0].max(sides[1]).max(sides[2]);
@@ -105,7 +99,18 @@ pub(crate) fn pierce(line: &Line, corners: &Corners, size: Size) -> Option<f64> 
         left |= sign > 0;
         right |= sign < 0;
     }
-    if left == right { None } else { distance(line, corners, a) }
+    if left == right { None } else { distance(line, corners, sub(corners[0], line.origin)) }
+}
+
+/// The sides of the triangle's edges that the line passes on, each of the edge opposite a corner; off by at most [`Size::side_error`].
+pub(crate) fn sides(line: &Line, corners: &Corners) -> [f64; 3] {
+    let [a, b, c] = corners.map(|corner| sub(corner, line.origin));
+    let d = line.direction;
+    [
+        dot(d, cross(b, sub(corners[2], corners[1]))),
+        dot(d, cross(c, sub(corners[0], corners[2]))),
+        dot(d, cross(a, sub(corners[1], corners[0]))),
+    ]
 }
 
 /// The sign of `d . ((b - o) x (c - o))`.
