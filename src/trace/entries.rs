@@ -1,6 +1,6 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick` and `quick_from` do is compiled for those instructions within functions of their own, and only there; the
+//! What `walk`, `free`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only there; the
 //! rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What of `quick` is
 //! seldom needed they call through [`Entries`], so that it does not stand within each of them.
 
@@ -31,7 +31,7 @@ impl Entries for Portable {
     }
 }
 
-/// The functions `run`, `free`, `quick` and `quick_from` of a module that has `is_available`, on these lanes, and their [`Entries`].
+/// The functions `run`, `free`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
@@ -56,6 +56,22 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         fn quick_here<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<Quick> {
             quick::quick::<$lanes, P>(tables, ray, cell, probe)
+        }
+
+        #[target_feature(enable = $features)]
+        fn barred_here<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<bool> {
+            quick::barred::<$lanes, P>(tables, ray, cell, probe)
+        }
+
+        #[target_feature(enable = $features)]
+        fn barred_from_here<P: Probe>(
+            tables: &Views,
+            ray: &Ray,
+            cell: u32,
+            surface: &Surface,
+            probe: &mut P,
+        ) -> Option<bool> {
+            quick::barred_from::<$lanes, P>(tables, ray, cell, surface, probe)
         }
 
         #[target_feature(enable = $features)]
@@ -153,6 +169,34 @@ macro_rules! entries {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { quick_from_here(tables, ray, cell, surface, probe) }
+        }
+
+        /// Whether anything is in the way of a ray from the air, where that is in no doubt.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn barred<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<bool> {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { barred_here(tables, ray, cell, probe) }
+        }
+
+        /// The same of a ray from a surface.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn barred_from<P: Probe>(
+            tables: &Views,
+            ray: &Ray,
+            cell: u32,
+            surface: &Surface,
+            probe: &mut P,
+        ) -> Option<bool> {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { barred_from_here(tables, ray, cell, surface, probe) }
         }
     };
 }

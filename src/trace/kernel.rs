@@ -4,7 +4,7 @@ use super::cost::Cost;
 use super::lanes::Portable;
 use super::locate::free;
 use super::packet::Answers;
-use super::quick::{Quick, quick, quick_from};
+use super::quick::{Quick, barred, barred_from, quick, quick_from};
 use super::ray::Ray;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
@@ -93,10 +93,10 @@ impl Kernel {
         }
     }
 
-    /// What a ray from the air of a cell meets that is in no doubt.
+    /// What a ray from the air of a cell meets first that is in no doubt.
     #[inline]
-    pub(super) fn quick(self, ask: Ask, tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
-        let probe = &mut Plain { kernel: self, ask };
+    pub(super) fn quick(self, tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
+        let probe = &mut Plain { kernel: self, ask: Ask::First };
         match self.0 {
             Set::Portable => quick::<Portable, _>(tables, ray, cell, probe),
             #[cfg(target_arch = "x86_64")]
@@ -110,13 +110,12 @@ impl Kernel {
     #[inline]
     pub(super) fn quick_from(
         self,
-        ask: Ask,
         tables: &Views,
         ray: &Ray,
         cell: u32,
         surface: &Surface,
     ) -> Option<Quick> {
-        let probe = &mut Plain { kernel: self, ask };
+        let probe = &mut Plain { kernel: self, ask: Ask::First };
         match self.0 {
             Set::Portable => quick_from::<Portable, _>(tables, ray, cell, surface, probe),
             #[cfg(target_arch = "x86_64")]
@@ -126,7 +125,39 @@ impl Kernel {
         }
     }
 
-    /// The same of up to [`BLOCK`](super::packet::BLOCK) rays, each in the air of its cell; `scattered`, if those that follow each other start
+    /// Whether anything is in the way of a ray from the air of a cell, where that is in no doubt.
+    #[inline]
+    pub(super) fn barred(self, tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
+        let probe = &mut Plain { kernel: self, ask: Ask::Any };
+        match self.0 {
+            Set::Portable => barred::<Portable, _>(tables, ray, cell, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::barred(tables, ray, cell, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::barred(tables, ray, cell, probe),
+        }
+    }
+
+    /// The same of a ray from a surface.
+    #[inline]
+    pub(super) fn barred_from(
+        self,
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        surface: &Surface,
+    ) -> Option<bool> {
+        let probe = &mut Plain { kernel: self, ask: Ask::Any };
+        match self.0 {
+            Set::Portable => barred_from::<Portable, _>(tables, ray, cell, surface, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::barred_from(tables, ray, cell, surface, probe),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::barred_from(tables, ray, cell, surface, probe),
+        }
+    }
+
+    /// What up to [`BLOCK`](super::packet::BLOCK) rays meet, each in the air of its cell; `scattered`, if those that follow each other start
     /// in different places.
     #[inline]
     pub(super) fn packets(

@@ -99,7 +99,7 @@ impl Scene {
 
     /// [`Scene::trace_from`] on a kernel of choice.
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        match self.quick(kernel, Ask::First, start, ray) {
+        match self.quick(kernel, start, ray) {
             Ok(quick) => self.describe_quick(ray, &quick, want),
             Err(cell) => {
                 self.answer(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
@@ -126,7 +126,7 @@ impl Scene {
     /// [`Scene::trace_brief`] on a kernel of choice.
     #[inline]
     pub fn trace_brief_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Brief {
-        match self.quick(kernel, Ask::First, start, ray) {
+        match self.quick(kernel, start, ray) {
             Ok(quick) => quick.brief(),
             Err(place) => {
                 // Told in registers, so that the answer stays there in the other case, too.
@@ -146,10 +146,28 @@ impl Scene {
 
     /// What the quick way answers, or the cell in which the ray starts, if that is known.
     #[inline(always)]
-    fn quick(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
+    fn quick(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
+        let tables = &self.tables;
+        self.quickly(
+            start,
+            ray,
+            |cell| kernel.quick(tables, ray, cell),
+            |cell, surface| kernel.quick_from(tables, ray, cell, surface),
+        )
+    }
+
+    /// What a quick way answers, from the air of a cell or from a surface, or the cell in which the ray starts, if that is known.
+    #[inline(always)]
+    fn quickly<A>(
+        &self,
+        start: Start<'_>,
+        ray: &Ray,
+        in_air: impl Fn(u32) -> Option<A>,
+        on_surface: impl Fn(u32, &Surface) -> Option<A>,
+    ) -> Result<A, Option<u32>> {
         if let Start::Cell(cell) = start {
-            if let Some(quick) = kernel.quick(ask, &self.tables, ray, cell) {
-                return Ok(quick);
+            if let Some(answer) = in_air(cell) {
+                return Ok(answer);
             }
             if self.tables.is_air(cell) {
                 return Err(Some(cell));
@@ -157,11 +175,10 @@ impl Scene {
         }
         if let Start::Hit(hit) = start {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
-            return kernel.quick_from(ask, &self.tables, ray, hit.cell, &surface).ok_or(None);
+            return on_surface(hit.cell, &surface).ok_or(None);
         }
         let place = self.free_cell(ray.origin);
-        let quick = place.and_then(|cell| kernel.quick(ask, &self.tables, ray, cell));
-        quick.ok_or(place)
+        place.and_then(in_air).ok_or(place)
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -308,10 +325,14 @@ impl Scene {
     /// # }
     /// ```
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
-        match self.quick(self.kernel, Ask::Any, start, ray) {
-            Ok(quick) => quick.found.triangle != NONE,
-            Err(cell) => self.is_occluded(known(start, ray, cell), ray),
-        }
+        let (tables, kernel) = (&self.tables, self.kernel);
+        let barred = self.quickly(
+            start,
+            ray,
+            |cell| kernel.barred(tables, ray, cell),
+            |cell, surface| kernel.barred_from(tables, ray, cell, surface),
+        );
+        barred.unwrap_or_else(|cell| self.is_occluded(known(start, ray, cell), ray))
     }
 
     /// The same where there is doubt.

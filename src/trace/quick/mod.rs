@@ -10,6 +10,7 @@
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod barred;
 mod leaving;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
@@ -27,6 +28,7 @@ use super::step::Step;
 use super::walk::{Found, Query, Surface, Walk, inverse};
 use crate::format::Views;
 use crate::format::records::{Leaf, NodeRecord};
+pub(super) use barred::{barred, barred_from};
 pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, link};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
@@ -123,18 +125,9 @@ pub(super) fn quick_from<L: Entries, P: Probe>(
     surface: &Surface,
     probe: &mut P,
 ) -> Option<Quick> {
-    let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
-    // Away from it, and not along it.
-    if !(way.direction.dot(surface.normal) >= GRAZING && way.starts_beside::<L>(cell)?) {
-        return None;
-    }
-    let exit = way.leave::<L>(cell, false);
-    if !(exit.exact_of(tables, ray, cell) >= FROM_SURFACE) {
-        return None;
-    }
-    let quick = way.onward::<L>(cell, exit, probe)?;
-    let is_clear = quick.found.t >= FROM_SURFACE && quick.found.triangle != surface.triangle;
-    (quick.found.triangle == NONE || is_clear).then_some(quick)
+    let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
+    let exit = way.leave_surface::<L>(cell)?;
+    way.onward_clear::<L>(cell, exit, probe)
 }
 
 /// A ray under way. What is seldom asked of it is not told where it is, but works it out anew: so that it stays in registers.
@@ -182,6 +175,36 @@ impl<'a> Way<'a> {
         }
         let rounding = tables.airgrid[0].rounding;
         Some(Way { tables, ray, origin, direction, limit: ray.tmax, surface: None, from, along, rounding })
+    }
+
+    /// A ray away from a surface that it starts on, and beside no other of the cell's; `None` in doubt.
+    #[inline(always)]
+    fn from_surface<L: Lanes>(
+        tables: &'a Views,
+        ray: &'a Ray,
+        cell: u32,
+        surface: &'a Surface,
+    ) -> Option<Self> {
+        let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
+        // Away from it, and not along it.
+        let is_away = way.direction.dot(surface.normal) >= GRAZING && way.starts_beside::<L>(cell)?;
+        is_away.then_some(way)
+    }
+
+    /// Where it leaves the cell, if that is not beside the surface.
+    #[inline(always)]
+    fn leave_surface<L: Lanes>(&self, cell: u32) -> Option<Exit> {
+        let exit = self.leave::<L>(cell, false);
+        (exit.exact_of(self.tables, self.ray, cell) >= FROM_SURFACE).then_some(exit)
+    }
+
+    /// What it meets from a cell on, which it leaves at `exit`, if nothing near the surface.
+    #[inline(always)]
+    fn onward_clear<L: Lanes>(&self, cell: u32, exit: Exit, probe: &mut impl Probe) -> Option<Quick> {
+        let quick = self.onward::<L>(cell, exit, probe)?;
+        let is_same = self.surface.is_some_and(|surface| quick.found.triangle == surface.triangle);
+        let is_clear = quick.found.t >= FROM_SURFACE && !is_same;
+        (quick.found.triangle == NONE || is_clear).then_some(quick)
     }
 
     /// Whether the ray starts in a simple prism, or beside one face of it: where it starts beside more, what stands behind one of them
