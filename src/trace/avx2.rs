@@ -314,15 +314,15 @@ pub(super) fn is_available() -> bool {
 entries!(Avx2, "avx2,fma,bmi1,bmi2,popcnt");
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-fn packets_here<P: Probe>(
+fn packets_here(
+    ask: Ask,
     tables: &Views,
     rays: &[&Ray],
     cells: &[u32],
     scattered: bool,
     answers: &mut Answers,
-    probe: &mut P,
 ) {
-    packet::packets::<Avx2, P>(tables, rays, cells, scattered, answers, probe)
+    packet::packets::<Avx2>(ask, tables, rays, cells, scattered, answers)
 }
 
 /// What rays meet that is in no doubt.
@@ -330,15 +330,15 @@ fn packets_here<P: Probe>(
 /// # Panics
 /// If the CPU lacks the instructions (debug builds).
 #[inline]
-pub(super) fn packets<P: Probe>(
+pub(super) fn packets(
+    ask: Ask,
     tables: &Views,
     rays: &[&Ray],
     cells: &[u32],
     scattered: bool,
     answers: &mut Answers,
-    probe: &mut P,
 ) {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { packets_here(tables, rays, cells, scattered, answers, probe) }
+    unsafe { packets_here(ask, tables, rays, cells, scattered, answers) }
 }

@@ -50,7 +50,7 @@ const UNSURE: Unsure = Unsure { in_matter: false };
 pub(super) fn nearest<P: Probe>(
     tables: &Views,
     line: &Line,
-    surface: Option<Surface>,
+    surface: Option<&Surface>,
     hint: u32,
     probe: &mut P,
 ) -> Ended {
@@ -71,7 +71,7 @@ pub(super) fn nearest<P: Probe>(
 pub(super) fn among_all<P: Probe>(
     tables: &Views,
     line: &Line,
-    surface: Option<Surface>,
+    surface: Option<&Surface>,
     probe: &mut P,
 ) -> Ended {
     let mut query = line.query(tables, surface);
@@ -80,20 +80,20 @@ pub(super) fn among_all<P: Probe>(
 }
 
 /// A ray under way.
-struct Crossing<'a, 'p, P> {
+struct Crossing<'a, 's, 'p, P> {
     walk: Walk<'a>,
     path: Path<'a>,
     surfaces: Surfaces<'a>,
-    query: Query,
+    query: Query<'s>,
     /// Where it starts, and where it ends at the latest.
     first: f64,
     limit: f64,
     probe: &'p mut P,
 }
 
-impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
+impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
     #[inline]
-    fn new(tables: &'a Views, line: &Line, surface: Option<Surface>, probe: &'p mut P) -> Self {
+    fn new(tables: &'a Views, line: &Line, surface: Option<&'s Surface>, probe: &'p mut P) -> Self {
         let (walk, query) = (Walk::new(tables), line.query(tables, surface));
         let path = Path::new(Prisms::new(tables), line.origin, line.direction, line.start);
         let surfaces = Surfaces::new(tables);
@@ -214,7 +214,7 @@ impl<'a, 'p, P: Probe> Crossing<'a, 'p, P> {
             let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
             let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
             // From the other side comes only a ray that rounding has put into the matter.
-            let takes = |found: &Found, query: &Query| {
+            let takes = |found: &Found, query: &Query<'_>| {
                 is_near(found, exit.t, tolerance, walk, query)
                     && walk.enters(found.triangle, outward, query.direction)
             };

@@ -1,7 +1,5 @@
 //! What it takes to find a hit.
 
-use super::walk::Count;
-
 /// How many steps a ray took: the same on every machine and kernel, unlike time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -26,6 +24,27 @@ impl Cost {
     }
 }
 
+/// What is told of each step of a ray. The unit type counts nothing, and costs nothing.
+pub(super) trait Count {
+    /// A node was opened: eight boxes.
+    #[inline(always)]
+    fn node(&mut self) {}
+    /// A leaf was opened: up to eight triangles, in f32.
+    #[inline(always)]
+    fn block(&mut self) {}
+    /// A triangle was tested in f64.
+    #[inline(always)]
+    fn test(&mut self) {}
+    /// A prism was entered.
+    #[inline(always)]
+    fn cell(&mut self) {}
+    /// A walk from cell to cell could not tell, and all triangles are asked.
+    #[inline(always)]
+    fn unsure(&mut self) {}
+}
+
+impl Count for () {}
+
 impl Count for Cost {
     fn node(&mut self) {
         self.nodes = self.nodes.saturating_add(1);
@@ -35,5 +54,11 @@ impl Count for Cost {
     }
     fn test(&mut self) {
         self.tests = self.tests.saturating_add(1);
+    }
+    fn cell(&mut self) {
+        self.cells = self.cells.saturating_add(1);
+    }
+    fn unsure(&mut self) {
+        self.unsure = self.unsure.saturating_add(1);
     }
 }

@@ -1,13 +1,15 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only there; the
-//! rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What of `quick` is
-//! seldom needed they call through [`Entries`], so that it does not stand within each of them.
+//! What `walk`, `free`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
+//! there; the rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What
+//! is seldom needed, or long, these call through [`Entries`], so that it does not stand within each of them.
 
-use super::kernel::Probe;
+use super::cost::Count;
+use super::kernel::Ask;
 use super::lanes::{Lanes, Portable};
-use super::quick::{Exit, Quick, leave, onward};
+use super::quick::{self, Exit, Quick};
 use super::ray::Ray;
+use super::walk::{Found, Opened, Surface};
 use crate::format::Views;
 
 /// Lanes for which what is seldom needed is compiled by itself.
@@ -15,37 +17,135 @@ pub(super) trait Entries: Lanes {
     /// Where a ray leaves a prism of air, in which it starts, or which it came into.
     fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit;
 
+    /// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
+    fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool;
+
     /// What a ray meets from a cell on, which it leaves at `exit`, that is in no doubt.
-    fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick>;
+    fn onward<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        exit: Exit,
+        count: &mut C,
+    ) -> Option<Quick>;
+
+    /// What a ray meets of a hierarchy between two places along it.
+    fn detail<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        surface: Option<&Surface>,
+        opened: &Opened,
+        range: (f64, f64),
+        count: &mut C,
+    ) -> Found;
 }
 
 impl Entries for Portable {
     #[inline(never)]
     fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
-        leave::<Portable>(tables, ray, cell, starts)
+        quick::leave::<Portable>(tables, ray, cell, starts)
     }
 
     #[inline(never)]
-    fn onward<P: Probe>(tables: &Views, ray: &Ray, cell: u32, exit: Exit, probe: &mut P) -> Option<Quick> {
-        onward::<Portable, P>(tables, ray, cell, exit, probe)
+    fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
+        quick::is_walled::<Portable>(tables, ray, cell)
+    }
+
+    #[inline(never)]
+    fn onward<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        exit: Exit,
+        count: &mut C,
+    ) -> Option<Quick> {
+        quick::onward::<Portable, C>(ask, tables, ray, cell, exit, count)
+    }
+
+    #[inline(never)]
+    fn detail<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        surface: Option<&Surface>,
+        opened: &Opened,
+        range: (f64, f64),
+        count: &mut C,
+    ) -> Found {
+        quick::detail::<Portable, C>(ask, tables, ray, surface, opened, range, count)
     }
 }
 
-/// The functions `run`, `free`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their [`Entries`].
+/// The same ways on any machine.
+pub(super) mod portable {
+    use crate::format::Views;
+    use crate::trace::lanes::Portable;
+    use crate::trace::locate;
+    use crate::trace::quick::{self, Quick};
+    use crate::trace::ray::Ray;
+    use crate::trace::walk::Surface;
+
+    /// The prism of air that holds a point, where that is in no doubt.
+    #[inline(never)]
+    pub(in crate::trace) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+        locate::free::<Portable>(tables, point, hint)
+    }
+
+    /// What a ray from the air meets that is in no doubt.
+    #[inline(never)]
+    pub(in crate::trace) fn quick(tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
+        quick::quick::<Portable, _>(tables, ray, cell, &mut ())
+    }
+
+    /// The same of a ray from a surface.
+    #[inline(never)]
+    pub(in crate::trace) fn quick_from(
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        surface: &Surface,
+    ) -> Option<Quick> {
+        quick::quick_from::<Portable, _>(tables, ray, cell, surface, &mut ())
+    }
+
+    /// Whether anything is in the way of a ray from the air, where that is in no doubt.
+    #[inline(never)]
+    pub(in crate::trace) fn barred(tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
+        quick::barred::<Portable>(tables, ray, cell)
+    }
+
+    /// The same of a ray from a surface.
+    #[inline(never)]
+    pub(in crate::trace) fn barred_from(
+        tables: &Views,
+        ray: &Ray,
+        cell: u32,
+        surface: &Surface,
+    ) -> Option<bool> {
+        quick::barred_from::<Portable>(tables, ray, cell, surface)
+    }
+}
+
+/// The functions `run`, `free`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
+/// [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
+        use $crate::trace::cost::Count;
         use $crate::trace::entries::Entries;
-        use $crate::trace::kernel::{Ask, Probe};
+        use $crate::trace::kernel::Ask;
         use $crate::trace::locate;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
-        use $crate::trace::walk::{self, Found, Query, Surface, Walk};
+        use $crate::trace::walk::{self, Found, Opened, Query, Surface, Walk};
 
         #[target_feature(enable = $features)]
-        fn run_here(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
-            walk::walk::<$lanes>(ask, tables, query, &mut ())
+        fn run_here(ask: Ask, tables: &Walk<'_>, query: &Query<'_>) -> Found {
+            walk::walk::<$lanes>(ask, tables, query, None, &mut ())
         }
 
         #[target_feature(enable = $features)]
@@ -54,24 +154,23 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn quick_here<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<Quick> {
-            quick::quick::<$lanes, P>(tables, ray, cell, probe)
+        fn quick_here(tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
+            quick::quick::<$lanes, _>(tables, ray, cell, &mut ())
         }
 
         #[target_feature(enable = $features)]
-        fn barred_here<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<bool> {
-            quick::barred::<$lanes, P>(tables, ray, cell, probe)
+        fn quick_from_here(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<Quick> {
+            quick::quick_from::<$lanes, _>(tables, ray, cell, surface, &mut ())
         }
 
         #[target_feature(enable = $features)]
-        fn barred_from_here<P: Probe>(
-            tables: &Views,
-            ray: &Ray,
-            cell: u32,
-            surface: &Surface,
-            probe: &mut P,
-        ) -> Option<bool> {
-            quick::barred_from::<$lanes, P>(tables, ray, cell, surface, probe)
+        fn barred_here(tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
+            quick::barred::<$lanes>(tables, ray, cell)
+        }
+
+        #[target_feature(enable = $features)]
+        fn barred_from_here(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<bool> {
+            quick::barred_from::<$lanes>(tables, ray, cell, surface)
         }
 
         #[target_feature(enable = $features)]
@@ -80,14 +179,35 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn onward_here<P: Probe>(
+        fn is_walled_here(tables: &Views, ray: &Ray, cell: u32) -> bool {
+            quick::is_walled::<$lanes>(tables, ray, cell)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
+        fn onward_here<C: Count>(
+            ask: Ask,
             tables: &Views,
             ray: &Ray,
             cell: u32,
             exit: Exit,
-            probe: &mut P,
+            count: &mut C,
         ) -> Option<Quick> {
-            quick::onward::<$lanes, P>(tables, ray, cell, exit, probe)
+            quick::onward::<$lanes, C>(ask, tables, ray, cell, exit, count)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
+        fn detail_here<C: Count>(
+            ask: Ask,
+            tables: &Views,
+            ray: &Ray,
+            surface: Option<&Surface>,
+            opened: &Opened,
+            range: (f64, f64),
+            count: &mut C,
+        ) -> Found {
+            quick::detail::<$lanes, C>(ask, tables, ray, surface, opened, range, count)
         }
 
         impl Entries for $lanes {
@@ -98,27 +218,37 @@ macro_rules! entries {
             }
 
             #[inline(always)]
-            fn onward<P: Probe>(
+            fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
+                // SAFETY: as in `leave`.
+                unsafe { is_walled_here(tables, ray, cell) }
+            }
+
+            #[inline(always)]
+            fn onward<C: Count>(
+                ask: Ask,
                 tables: &Views,
                 ray: &Ray,
                 cell: u32,
                 exit: Exit,
-                probe: &mut P,
+                count: &mut C,
             ) -> Option<Quick> {
                 // SAFETY: as in `leave`.
-                unsafe { onward_here(tables, ray, cell, exit, probe) }
+                unsafe { onward_here(ask, tables, ray, cell, exit, count) }
             }
-        }
 
-        #[target_feature(enable = $features)]
-        fn quick_from_here<P: Probe>(
-            tables: &Views,
-            ray: &Ray,
-            cell: u32,
-            surface: &Surface,
-            probe: &mut P,
-        ) -> Option<Quick> {
-            quick::quick_from::<$lanes, P>(tables, ray, cell, surface, probe)
+            #[inline(always)]
+            fn detail<C: Count>(
+                ask: Ask,
+                tables: &Views,
+                ray: &Ray,
+                surface: Option<&Surface>,
+                opened: &Opened,
+                range: (f64, f64),
+                count: &mut C,
+            ) -> Found {
+                // SAFETY: as in `leave`.
+                unsafe { detail_here(ask, tables, ray, surface, opened, range, count) }
+            }
         }
 
         /// The nearest hit, or some hit.
@@ -126,7 +256,7 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
+        pub(super) fn run(ask: Ask, tables: &Walk<'_>, query: &Query<'_>) -> Found {
             debug_assert!(is_available());
             // SAFETY: a kernel that leads here is made only after `is_available` said yes.
             unsafe { run_here(ask, tables, query) }
@@ -148,10 +278,10 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn quick<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<Quick> {
+        pub(super) fn quick(tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { quick_here(tables, ray, cell, probe) }
+            unsafe { quick_here(tables, ray, cell) }
         }
 
         /// What a ray from a surface meets that is in no doubt.
@@ -159,16 +289,10 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn quick_from<P: Probe>(
-            tables: &Views,
-            ray: &Ray,
-            cell: u32,
-            surface: &Surface,
-            probe: &mut P,
-        ) -> Option<Quick> {
+        pub(super) fn quick_from(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<Quick> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { quick_from_here(tables, ray, cell, surface, probe) }
+            unsafe { quick_from_here(tables, ray, cell, surface) }
         }
 
         /// Whether anything is in the way of a ray from the air, where that is in no doubt.
@@ -176,10 +300,10 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn barred<P: Probe>(tables: &Views, ray: &Ray, cell: u32, probe: &mut P) -> Option<bool> {
+        pub(super) fn barred(tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { barred_here(tables, ray, cell, probe) }
+            unsafe { barred_here(tables, ray, cell) }
         }
 
         /// The same of a ray from a surface.
@@ -187,16 +311,10 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn barred_from<P: Probe>(
-            tables: &Views,
-            ray: &Ray,
-            cell: u32,
-            surface: &Surface,
-            probe: &mut P,
-        ) -> Option<bool> {
+        pub(super) fn barred_from(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<bool> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { barred_from_here(tables, ray, cell, surface, probe) }
+            unsafe { barred_from_here(tables, ray, cell, surface) }
         }
     };
 }

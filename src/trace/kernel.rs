@@ -1,10 +1,10 @@
 //! Which instruction set a walk runs on. All give the same answers.
 
-use super::cost::Cost;
+use super::cost::{Cost, Count};
+use super::entries::portable;
 use super::lanes::Portable;
-use super::locate::free;
 use super::packet::Answers;
-use super::quick::{Quick, barred, barred_from, quick, quick_from};
+use super::quick::{Quick, nothing};
 use super::ray::Ray;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
@@ -85,7 +85,7 @@ impl Kernel {
     #[inline]
     pub(super) fn free(self, tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
         match self.0 {
-            Set::Portable => free::<Portable>(tables, point, hint),
+            Set::Portable => portable::free(tables, point, hint),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::free(tables, point, hint),
             #[cfg(target_arch = "x86_64")]
@@ -94,66 +94,50 @@ impl Kernel {
     }
 
     /// What a ray from the air of a cell meets first that is in no doubt.
-    #[inline]
+    #[inline(always)]
     pub(super) fn quick(self, tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {
-        let probe = &mut Plain { kernel: self, ask: Ask::First };
         match self.0 {
-            Set::Portable => quick::<Portable, _>(tables, ray, cell, probe),
+            Set::Portable => portable::quick(tables, ray, cell),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick(tables, ray, cell, probe),
+            Set::Avx2 => avx2::quick(tables, ray, cell),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::quick(tables, ray, cell, probe),
+            Set::Avx512 => avx512::quick(tables, ray, cell),
         }
     }
 
     /// The same of a ray from a surface.
     #[inline]
-    pub(super) fn quick_from(
-        self,
-        tables: &Views,
-        ray: &Ray,
-        cell: u32,
-        surface: &Surface,
-    ) -> Option<Quick> {
-        let probe = &mut Plain { kernel: self, ask: Ask::First };
+    pub(super) fn quick_from(self, tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<Quick> {
         match self.0 {
-            Set::Portable => quick_from::<Portable, _>(tables, ray, cell, surface, probe),
+            Set::Portable => portable::quick_from(tables, ray, cell, surface),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::quick_from(tables, ray, cell, surface, probe),
+            Set::Avx2 => avx2::quick_from(tables, ray, cell, surface),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::quick_from(tables, ray, cell, surface, probe),
+            Set::Avx512 => avx512::quick_from(tables, ray, cell, surface),
         }
     }
 
     /// Whether anything is in the way of a ray from the air of a cell, where that is in no doubt.
-    #[inline]
+    #[inline(always)]
     pub(super) fn barred(self, tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
-        let probe = &mut Plain { kernel: self, ask: Ask::Any };
         match self.0 {
-            Set::Portable => barred::<Portable, _>(tables, ray, cell, probe),
+            Set::Portable => portable::barred(tables, ray, cell),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::barred(tables, ray, cell, probe),
+            Set::Avx2 => avx2::barred(tables, ray, cell),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::barred(tables, ray, cell, probe),
+            Set::Avx512 => avx512::barred(tables, ray, cell),
         }
     }
 
     /// The same of a ray from a surface.
     #[inline]
-    pub(super) fn barred_from(
-        self,
-        tables: &Views,
-        ray: &Ray,
-        cell: u32,
-        surface: &Surface,
-    ) -> Option<bool> {
-        let probe = &mut Plain { kernel: self, ask: Ask::Any };
+    pub(super) fn barred_from(self, tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> Option<bool> {
         match self.0 {
-            Set::Portable => barred_from::<Portable, _>(tables, ray, cell, surface, probe),
+            Set::Portable => portable::barred_from(tables, ray, cell, surface),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::barred_from(tables, ray, cell, surface, probe),
+            Set::Avx2 => avx2::barred_from(tables, ray, cell, surface),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::barred_from(tables, ray, cell, surface, probe),
+            Set::Avx512 => avx512::barred_from(tables, ray, cell, surface),
         }
     }
 
@@ -169,23 +153,26 @@ impl Kernel {
         scattered: bool,
         answers: &mut Answers,
     ) {
-        let probe = &mut Plain { kernel: self, ask };
         match self.0 {
             Set::Portable => {
                 let _ = scattered;
-                answers.fill(rays, cells, |ray, cell| quick::<Portable, _>(tables, ray, cell, probe));
+                answers.fill(rays, cells, |ray, cell| match ask {
+                    Ask::First => portable::quick(tables, ray, cell),
+                    Ask::Any => portable::barred(tables, ray, cell)
+                        .map(|is_barred| if is_barred { Quick::any(cell) } else { nothing(ray.tmax, cell) }),
+                });
             }
             // With eight lanes AVX-512 is no faster. Who has it has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 | Set::Avx512 => avx2::packets(tables, rays, cells, scattered, answers, probe),
+            Set::Avx2 | Set::Avx512 => avx2::packets(ask, tables, rays, cells, scattered, answers),
         }
     }
 
     /// The nearest hit, or some hit.
     #[inline]
-    pub(super) fn run(self, ask: Ask, tables: &Walk<'_>, query: &Query) -> Found {
+    pub(super) fn run(self, ask: Ask, tables: &Walk<'_>, query: &Query<'_>) -> Found {
         match self.0 {
-            Set::Portable => walk::<Portable>(ask, tables, query, &mut ()),
+            Set::Portable => walk::<Portable>(ask, tables, query, None, &mut ()),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => avx2::run(ask, tables, query),
             #[cfg(target_arch = "x86_64")]
@@ -195,21 +182,11 @@ impl Kernel {
 }
 
 /// What runs the walks through hierarchies, and hears of the other steps of a ray.
-pub(super) trait Probe {
-    /// What is asked.
-    fn ask(&self) -> Ask;
+pub(super) trait Probe: Count {
     /// The nearest hit.
-    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found;
     /// The nearest hit, or some hit for who wants to know only whether there is one.
-    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found;
-    /// A node was opened, but not in a walk.
-    fn node(&mut self) {}
-    /// A prism was entered.
-    fn cell(&mut self) {}
-    /// A triangle was tested in f64.
-    fn test(&mut self) {}
-    /// A walk from cell to cell could not tell, and all triangles are asked.
-    fn unsure(&mut self) {}
+    fn first(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found;
 }
 
 /// A kernel that counts nothing.
@@ -218,44 +195,25 @@ pub(super) struct Plain {
     pub(super) ask: Ask,
 }
 
+impl Count for Plain {}
+
 impl Probe for Plain {
     #[inline]
-    fn ask(&self) -> Ask {
-        self.ask
-    }
-
-    #[inline]
-    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
         self.kernel.run(Ask::First, tables, query)
     }
     #[inline]
-    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+    fn first(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
         self.kernel.run(self.ask, tables, query)
     }
 }
 
 /// The portable kernel, whose steps are those of all, counted.
 impl Probe for Cost {
-    fn ask(&self) -> Ask {
-        Ask::First
+    fn nearest(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
+        walk::<Portable>(Ask::First, tables, query, None, self)
     }
-
-    fn nearest(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
-        walk::<Portable>(Ask::First, tables, query, self)
-    }
-    fn first(&mut self, tables: &Walk<'_>, query: &Query) -> Found {
+    fn first(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
         self.nearest(tables, query)
-    }
-    fn node(&mut self) {
-        self.nodes = self.nodes.saturating_add(1);
-    }
-    fn cell(&mut self) {
-        self.cells = self.cells.saturating_add(1);
-    }
-    fn test(&mut self) {
-        self.tests = self.tests.saturating_add(1);
-    }
-    fn unsure(&mut self) {
-        self.unsure = self.unsure.saturating_add(1);
     }
 }

@@ -46,10 +46,10 @@ impl<'a> Surfaces<'a> {
         &mut self,
         source: u32,
         walk: &Walk<'_>,
-        query: &mut Query,
+        query: &mut Query<'_>,
         best: &mut Found,
         probe: &mut P,
-        takes: impl Fn(&Found, &Query) -> bool,
+        takes: impl Fn(&Found, &Query<'_>) -> bool,
     ) {
         let source = self.sources[source as usize];
         if self.left < source.count.min(SourceRecord::FEW) {
@@ -75,10 +75,10 @@ impl<'a> Surfaces<'a> {
         &mut self,
         root: u32,
         walk: &Walk<'_>,
-        query: &mut Query,
+        query: &mut Query<'_>,
         best: &mut Found,
         probe: &mut P,
-        takes: impl Fn(&Found, &Query) -> bool,
+        takes: impl Fn(&Found, &Query<'_>) -> bool,
     ) {
         /// More surfaces of one source on a ray are not told apart.
         const MOST_PASSED: usize = 16;
@@ -102,7 +102,7 @@ impl<'a> Surfaces<'a> {
 }
 
 /// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle.
-pub(super) fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query) -> bool {
+pub(super) fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query<'_>) -> bool {
     (found.t - t).abs() <= NEAR || {
         let normal = normal(walk.corners(found.triangle));
         ((found.t - t) * normal.dot(query.direction)).abs() <= tolerance

@@ -147,27 +147,9 @@ impl Scene {
     /// What the quick way answers, or the cell in which the ray starts, if that is known.
     #[inline(always)]
     fn quick(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
-        let tables = &self.tables;
-        self.quickly(
-            start,
-            ray,
-            |cell| kernel.quick(tables, ray, cell),
-            |cell, surface| kernel.quick_from(tables, ray, cell, surface),
-        )
-    }
-
-    /// What a quick way answers, from the air of a cell or from a surface, or the cell in which the ray starts, if that is known.
-    #[inline(always)]
-    fn quickly<A>(
-        &self,
-        start: Start<'_>,
-        ray: &Ray,
-        in_air: impl Fn(u32) -> Option<A>,
-        on_surface: impl Fn(u32, &Surface) -> Option<A>,
-    ) -> Result<A, Option<u32>> {
         if let Start::Cell(cell) = start {
-            if let Some(answer) = in_air(cell) {
-                return Ok(answer);
+            if let Some(quick) = kernel.quick(&self.tables, ray, cell) {
+                return Ok(quick);
             }
             if self.tables.is_air(cell) {
                 return Err(Some(cell));
@@ -175,10 +157,11 @@ impl Scene {
         }
         if let Start::Hit(hit) = start {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
-            return on_surface(hit.cell, &surface).ok_or(None);
+            return kernel.quick_from(&self.tables, ray, hit.cell, &surface).ok_or(None);
         }
         let place = self.free_cell(ray.origin);
-        place.and_then(in_air).ok_or(place)
+        let quick = place.and_then(|cell| kernel.quick(&self.tables, ray, cell));
+        quick.ok_or(place)
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -273,7 +256,8 @@ impl Scene {
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
-        let mut ended = nearest(tables, &line, surface(start, &line), start.hint(), probe);
+        let surface = surface(start, &line);
+        let mut ended = nearest(tables, &line, surface.as_ref(), start.hint(), probe);
         ended.found.t = ended.found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
@@ -325,14 +309,31 @@ impl Scene {
     /// # }
     /// ```
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
+        if let Start::Cell(cell) = start
+            && let Some(is_barred) = self.kernel.barred(&self.tables, ray, cell)
+        {
+            return is_barred;
+        }
+        self.is_occluded_from(start, ray)
+    }
+
+    /// The same, elsewhere than in a cell that is known.
+    #[inline(never)]
+    fn is_occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
         let (tables, kernel) = (&self.tables, self.kernel);
-        let barred = self.quickly(
-            start,
-            ray,
-            |cell| kernel.barred(tables, ray, cell),
-            |cell, surface| kernel.barred_from(tables, ray, cell, surface),
-        );
-        barred.unwrap_or_else(|cell| self.is_occluded(known(start, ray, cell), ray))
+        if let Start::Hit(hit) = start {
+            let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
+            let is_barred = kernel.barred_from(tables, ray, hit.cell, &surface);
+            return is_barred.unwrap_or_else(|| self.is_occluded(start, ray));
+        }
+        if let Start::Cell(cell) = start
+            && tables.is_air(cell)
+        {
+            return self.is_occluded(start, ray);
+        }
+        let cell = self.free_cell(ray.origin);
+        let is_barred = cell.and_then(|cell| kernel.barred(tables, ray, cell));
+        is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }
 
     /// The same where there is doubt.
@@ -345,7 +346,7 @@ impl Scene {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
         let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
-        let ended = nearest(&self.tables, &line, surface, start.hint(), probe);
+        let ended = nearest(&self.tables, &line, surface.as_ref(), start.hint(), probe);
         ended.found.triangle != NONE
             || (is_anywhere
                 && ended.in_matter
@@ -478,7 +479,7 @@ impl Line {
     }
 
     #[inline(always)]
-    pub(super) fn query(&self, tables: &Views, surface: Option<Surface>) -> Query {
+    pub(super) fn query<'s>(&self, tables: &Views, surface: Option<&'s Surface>) -> Query<'s> {
         let scene = &tables.scene[0];
         let root = tables.cells[0].root;
         let tmin = surface.map_or(self.tmin, |surface| self.tmin - surface.behind());

@@ -12,6 +12,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
+use super::cost::Count;
 use super::kernel::Ask;
 use super::lanes::Lanes;
 use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord, RunRecord, SceneRecord, VolumeRecord};
@@ -116,7 +117,7 @@ impl Surface {
 const PARALLEL: f64 = 1e-10;
 
 /// A ray made ready for a walk.
-pub(super) struct Query {
+pub(super) struct Query<'s> {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) tmin: f64,
@@ -126,11 +127,11 @@ pub(super) struct Query {
     local: [f32; 3],
     toward: [f32; 3],
     inverse: [f32; 3],
-    pub(super) surface: Option<Surface>,
+    pub(super) surface: Option<&'s Surface>,
     root: u32,
 }
 
-impl Query {
+impl<'s> Query<'s> {
     /// A ray from `origin` along the unit vector `direction`. Its f32 copy starts at `start` along it, where it is
     /// within the hull.
     #[inline]
@@ -141,8 +142,8 @@ impl Query {
         start: f64,
         scene: &SceneRecord,
         root: u32,
-        surface: Option<Surface>,
-    ) -> Query {
+        surface: Option<&'s Surface>,
+    ) -> Self {
         let local = (origin + direction * start - DVec3::from(scene.center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
         let inverse = inverse(toward);
@@ -220,7 +221,7 @@ impl Query {
         if !(t >= self.tmin && t <= best.t) || (t == best.t && index >= best.triangle) {
             return false;
         }
-        if let Some(surface) = &self.surface
+        if let Some(surface) = self.surface
             && !self.counts(walk, surface, corners, index, t)
         {
             return false;
@@ -329,25 +330,6 @@ impl Side {
     }
 }
 
-/// What is told of each step of a walk. The unit type counts nothing, and costs nothing.
-pub(super) trait Count {
-    /// A node was opened: eight boxes.
-    fn node(&mut self);
-    /// A leaf was opened: up to eight triangles, in f32.
-    fn block(&mut self);
-    /// A triangle was tested in f64.
-    fn test(&mut self);
-}
-
-impl Count for () {
-    #[inline(always)]
-    fn node(&mut self) {}
-    #[inline(always)]
-    fn block(&mut self) {}
-    #[inline(always)]
-    fn test(&mut self) {}
-}
-
 /// A node that waits, and how near it is: one word, since a processor that reads together what was written apart waits until both are in its cache.
 #[derive(Clone, Copy)]
 struct Waiting(u64);
@@ -369,36 +351,82 @@ impl Waiting {
     }
 }
 
-/// The nearest hit, or some hit.
+/// A hierarchy, and what a ray comes to in it as far as that is known.
+pub(super) struct Opened {
+    /// Where it begins.
+    pub(super) root: u32,
+    /// The children of that node that the ray comes to; 0 if they have not been looked at.
+    hits: u32,
+    /// No more than the f32 distance to each of them.
+    near: [f32; LANES],
+}
+
+impl Opened {
+    /// Nothing is known.
+    #[inline(always)]
+    pub(super) fn not_yet(root: u32) -> Opened {
+        Opened { root, hits: 0, near: [0.0; LANES] }
+    }
+
+    /// What `open` says of its node; `None` if the ray comes to none of its children.
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(root: u32, (hits, near): (u32, L)) -> Option<Opened> {
+        (hits != 0).then(|| Opened { root, hits, near: near.store() })
+    }
+}
+
+/// The boxes of a node that a ray comes to between two places along it, and where it comes to each: from a place relative to the scene's
+/// center, 1 by its direction.
 #[inline(always)]
-pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &mut impl Count) -> Found {
+pub(super) fn open<L: Lanes>(
+    node: &NodeRecord,
+    local: [f32; 3],
+    inverse: [f32; 3],
+    [first, last]: [f32; 2],
+) -> (u32, L) {
+    let sides = [&node.lo, &node.hi];
+    let (mut near, mut far) = (L::splat(first), L::splat(last));
+    for axis in 0..3 {
+        // Not the lesser and the greater: the box of a lane without a child is inside out.
+        let back = usize::from(inverse[axis] < 0.0);
+        let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
+        let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
+        near = near.max(enter.mul_sub(inverse, shift));
+        far = far.min(leave.mul_sub(inverse, shift));
+    }
+    (L::bits(near.le(far)), near)
+}
+
+/// The nearest hit, or some hit, in the hierarchy that the query aims at.
+#[inline(always)]
+pub(super) fn walk<L: Lanes>(
+    ask: Ask,
+    walk: &Walk<'_>,
+    query: &Query<'_>,
+    opened: Option<&Opened>,
+    count: &mut impl Count,
+) -> Found {
     let mut best = Found { t: query.tmax, triangle: NONE };
     if query.root == NONE {
         return best;
     }
     let slack = walk.scene.slack;
-    let inverse = each(query.inverse, |d| L::splat(d));
-    let shift = each([0, 1, 2], |axis| L::splat(query.local[axis] * query.inverse[axis]));
     let first = query.limit(query.tmin, slack) - 4.0 * slack;
-    let first = L::splat(first.max(-slack));
+    let first = first.max(-slack);
     let mut limit = query.limit(best.t, slack);
     let mut stack = ArrayVec::<Waiting, STACK>::new();
-    let entered = each(query.inverse, |d| usize::from(d < 0.0));
     let mut current = query.root;
+    let mut opened = opened.filter(|opened| opened.hits != 0);
     loop {
         if current & Leaf::BIT == 0 {
-            count.node();
             let node = &walk.nodes[current as usize];
-            let sides = [&node.lo, &node.hi];
-            let mut near = first;
-            let mut far = L::splat(limit);
-            for axis in 0..3 {
-                let enter = L::load(&sides[entered[axis] & 1][axis]);
-                let leave = L::load(&sides[!entered[axis] & 1][axis]);
-                near = near.max(enter.mul_sub(inverse[axis], shift[axis]));
-                far = far.min(leave.mul_sub(inverse[axis], shift[axis]));
-            }
-            let mut hits = L::bits(near.le(far));
+            let (mut hits, near) = match opened.take() {
+                Some(opened) => (opened.hits, L::load(&opened.near)),
+                None => {
+                    count.node();
+                    open::<L>(node, query.local, query.inverse, [first, limit])
+                }
+            };
             if hits != 0 {
                 let first_hit = hits.trailing_zeros() as usize;
                 hits &= hits - 1;
@@ -473,7 +501,7 @@ pub(super) fn walk<L: Lanes>(ask: Ask, walk: &Walk<'_>, query: &Query, count: &m
 /// by less than the slack. After Moeller and Trumbore (Fast, Minimum Storage Ray/Triangle Intersection, 1997), with an
 /// error bound on each side: |e| times the slack bounds the error of u and v, |e1||e2| times it that of t.
 #[inline(always)]
-fn candidates<L: Lanes>(block: &BlockRecord, query: &Query, limit: f32, slack: f32) -> Candidates<L> {
+fn candidates<L: Lanes>(block: &BlockRecord, query: &Query<'_>, limit: f32, slack: f32) -> Candidates<L> {
     let load = |v: &[[f32; LANES]; 3]| [L::load(&v[0]), L::load(&v[1]), L::load(&v[2])];
     let (corner, e1, e2) = (load(&block.corner), load(&block.edge1), load(&block.edge2));
     let d = each(query.toward, |d| L::splat(d));

@@ -2,6 +2,7 @@
 
 use crate::format::records::LANES;
 use crate::trace::NONE;
+use crate::trace::kernel::Ask;
 use crate::trace::quick::{Quick, nothing};
 use crate::trace::ray::Ray;
 use crate::trace::walk::Found;
@@ -70,18 +71,41 @@ impl Pool {
         (self.ray[self.len % BLOCK], self.cell[self.len % BLOCK]) = (ray, cell);
         self.len += 1;
     }
+
+    /// The rays, and their cells.
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u8, u32)> + '_ {
+        self.ray.iter().copied().zip(self.cell.iter().copied()).take(self.len)
+    }
 }
 
 /// Eight of the rays, by lane, and where what becomes of them is noted.
 pub(super) struct Group<'a> {
+    pub(super) ask: Ask,
+    /// They are where they started.
+    pub(super) starts: bool,
     pub(super) numbers: [u8; LANES],
     pub(super) cells: [u32; LANES],
     pub(super) answers: &'a mut Answers,
     /// Those that go on by themselves.
     pub(super) next: &'a mut Pool,
+    /// If walls only are looked for: those that they do not end, to be asked about again.
+    pub(super) again: Option<&'a mut Pool>,
 }
 
 impl Group<'_> {
+    /// Of rays that come to faces those of which detail may change the answer; `walled` are those that faces end.
+    #[inline(always)]
+    pub(super) fn is_open(&self, rays: u32, walled: u32) -> u32 {
+        if self.ask == Ask::Any { rays & !walled } else { rays }
+    }
+
+    /// Whether any of these have to be asked about again: only walls are looked for, and not where they start, where detail is looked at.
+    #[inline(always)]
+    pub(super) fn are_again(&self, open: u32) -> bool {
+        open != 0 && self.again.is_some() && !self.starts
+    }
+
     /// What ends the way of a ray that ends at `limit`.
     #[inline(always)]
     pub(super) fn put(&mut self, lane: usize, quick: Quick, limit: f64) {

@@ -8,23 +8,18 @@ use crate::format::records::{LANES, Leaf};
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
 use crate::trace::herd::Rounded;
-use crate::trace::kernel::Probe;
+use crate::trace::kernel::Ask;
 use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
-use crate::trace::quick::{Exit, Passage, Quick, detail, is_split, nothing, touches};
+use crate::trace::quick::{Exit, Passage, Quick, is_split, may_meet, nothing};
 use crate::trace::step::Step;
-use crate::trace::walk::Found;
+use crate::trace::walk::{Found, Opened};
 
 impl<L: Entries> Packet<'_, L> {
     /// Takes the rays out of their prisms, where they cross them so: ends the ways of some there, and puts the others into the pool.
     #[inline(always)]
-    pub(super) fn apart<P: Probe>(
-        &self,
-        crossed: &Crossed<L>,
-        starts: bool,
-        group: &mut Group<'_>,
-        probe: &mut P,
-    ) {
+    pub(super) fn apart(&self, crossed: &Crossed<L>, group: &mut Group<'_>) {
+        let (ask, starts) = (group.ask, group.starts);
         let tables = self.tables;
         let steps: &[Step] = &tables.steps;
         let cells = group.cells;
@@ -52,7 +47,11 @@ impl<L: Entries> Packet<'_, L> {
         for lane in lanes(self.under_way & !ready) {
             let exit = L::leave(tables, self.rays[lane], cells[lane], starts);
             if exit.link >= Step::AROUND {
-                if let Some(quick) = L::onward(tables, self.rays[lane], cells[lane], exit, probe) {
+                if let Some(again) = &mut group.again {
+                    again.push(group.numbers[lane], cells[lane]);
+                } else if let Some(quick) =
+                    L::onward(ask, tables, self.rays[lane], cells[lane], exit, &mut ())
+                {
                     group.answers.put(group.numbers[lane], quick);
                 }
                 continue;
@@ -86,6 +85,27 @@ impl<L: Entries> Packet<'_, L> {
             roots_there |= u32::from(roots[lane] != NONE) << lane;
         }
         roots_there &= ready;
+        // Where cells say that a ray is too far, the triangles may say that it is not yet.
+        let mut is_near = L::bits(ends.le(limits)) & !alone;
+        if ask == Ask::Any {
+            for lane in lanes(alone) {
+                is_near |= u32::from(exits[lane].at_most() <= self.rays[lane].tmax) << lane;
+            }
+            let walled = ended & met.le(self.limit);
+            roots_there &= !walled;
+            if let Some(again) = &mut group.again {
+                let passing = ready & !ended & is_near;
+                if starts {
+                    roots_there &= !passing;
+                } else {
+                    for lane in lanes(ready & !walled & !passing) {
+                        again.push(group.numbers[lane], cells[lane]);
+                    }
+                    (ready, roots_there) = (walled | passing, 0);
+                    ended &= ready;
+                }
+            }
+        }
         if roots_there != 0 {
             let scene = &tables.scene[0];
             let rounded = Rounded::<L>::new(scene, &self.origin, &self.direction);
@@ -93,18 +113,18 @@ impl<L: Entries> Packet<'_, L> {
             let inverses =
                 [rounded.inverse[0].store(), rounded.inverse[1].store(), rounded.inverse[2].store()];
             let until = L::load(&until).min(limits).store();
-            let mut touched = 0;
             for lane in lanes(roots_there) {
                 let root = roots[lane];
-                let is_touched = root & Leaf::BIT != 0 || {
+                let opened = if root & Leaf::BIT != 0 {
+                    Opened::not_yet(root)
+                } else {
                     let local = [locals[0][lane], locals[1][lane], locals[2][lane]];
                     let inverse = [inverses[0][lane], inverses[1][lane], inverses[2][lane]];
-                    let node = &tables.nodes[root as usize];
-                    touches::<L>(node, local, inverse, until[lane], scene.slack)
+                    match may_meet::<L>(tables, root, local, inverse, until[lane]) {
+                        Some(opened) => opened,
+                        None => continue,
+                    }
                 };
-                touched |= u32::from(is_touched) << lane;
-            }
-            for lane in lanes(touched) {
                 let (ray, is_end) = (self.rays[lane], ended >> lane & 1 != 0);
                 let end = if is_end {
                     Found { t: t[lane], triangle: plates.triangle[lane] }
@@ -119,7 +139,7 @@ impl<L: Entries> Packet<'_, L> {
                     Exit::through(edges[lane].to_bits()).exact_of(tables, ray, cells[lane])
                 };
                 let before = (before + NEAR).min(ray.tmax);
-                let found = detail(tables, ray, None, roots[lane], [0.0, before], probe);
+                let found = L::detail(ask, tables, ray, None, &opened, (0.0, before), &mut ());
                 if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
                     (t[lane], plates.triangle[lane], plates.source[lane]) = (found.t, found.triangle, NONE);
                     ended |= 1 << lane;
@@ -132,8 +152,6 @@ impl<L: Entries> Packet<'_, L> {
             group.put(lane, quick, self.rays[lane].tmax);
         }
         let onward = ready & !ended;
-        // Where cells say that a ray is too far, the triangles may say that it is not yet.
-        let is_near = L::bits(ends.le(limits)) & !alone;
         for lane in lanes(onward & !is_near) {
             let ray = self.rays[lane];
             let exit =

@@ -22,9 +22,9 @@ mod plates;
 
 use super::NONE;
 use super::entries::Entries;
-use super::kernel::Probe;
+use super::kernel::Ask;
 use super::lanes::{Lanes, Wide};
-use super::quick::{COARSEST, DOWN, GRAZING, Quick, STEEPEST, UNIT, is_split};
+use super::quick::{CELLS as WALLS, COARSEST, DOWN, GRAZING, Quick, STEEPEST, UNIT, is_split};
 use super::ray::Ray;
 use super::step::Step;
 use super::walk::Found;
@@ -53,16 +53,16 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What up to [`BLOCK`] rays meet that is in no doubt, each starting in the air of its cell. Those that follow each other are looked at
-/// together, unless they are `scattered`.
+/// What up to [`BLOCK`] rays meet that is in no doubt, each starting in the air of its cell; where any will do, walls are looked for first, as
+/// `barred` has it. Those that follow each other are looked at together, unless they are `scattered`.
 #[inline(always)]
-pub(super) fn packets<L: Entries, P: Probe>(
+pub(super) fn packets<L: Entries>(
+    ask: Ask,
     tables: &Views,
     rays: &[&Ray],
     cells: &[u32],
     scattered: bool,
     answers: &mut Answers,
-    probe: &mut P,
 ) {
     answers.clear();
     let mut pool = Pool::NONE;
@@ -74,35 +74,80 @@ pub(super) fn packets<L: Entries, P: Probe>(
     if tables.scene[0].lattice_bits < COARSEST {
         return;
     }
-    let mut starts = true;
-    // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
-    let mut left = BLOCK * tables.cells.len();
-    while left > 0 && (pool.len > FEW as usize || starts) {
-        let mut next = Pool::NONE;
-        for first in (0..pool.len).step_by(LANES) {
-            let count = (pool.len - first).min(LANES);
-            let (mut numbers, mut cells) = ([pool.ray[first]; LANES], [pool.cell[first]; LANES]);
-            for lane in 0..count {
-                (numbers[lane], cells[lane]) = (pool.ray[first + lane], pool.cell[first + lane]);
+    let block = Block { ask, tables, rays, scattered };
+    if ask == Ask::Any {
+        let mut again = Pool::NONE;
+        let (rest, starts) = block.run::<L>(pool, BLOCK * WALLS, answers, Some(&mut again));
+        for (number, cell) in rest.iter() {
+            if starts || !L::is_walled(tables, block.ray(number), cell) {
+                again.push(number, cell);
+            } else {
+                answers.put(number, Quick::any(cell));
             }
-            let mut own = [rays[0]; LANES];
-            for lane in 0..LANES {
-                own[lane] = rays[usize::from(numbers[lane]) % BLOCK];
-            }
-            let mut packet = Packet::<L>::new(tables, &own);
-            packet.under_way &= ALL >> (LANES - count);
-            let group = Group { numbers, cells, answers, next: &mut next };
-            packet.run(group, starts, scattered, &mut left, probe);
         }
-        (pool, starts) = (next, false);
+        for (number, cell) in again.ray.iter().zip(&mut again.cell).take(again.len) {
+            *cell = cells[usize::from(*number)];
+        }
+        pool = again;
     }
-    for at in 0..pool.len {
-        let (number, cell) = (pool.ray[at], pool.cell[at]);
-        let ray = rays[usize::from(number) % BLOCK];
+    // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
+    let (rest, starts) = block.run::<L>(pool, BLOCK * tables.cells.len(), answers, None);
+    for (number, cell) in rest.iter() {
+        let ray = block.ray(number);
         let exit = L::leave(tables, ray, cell, starts);
-        if let Some(quick) = L::onward(tables, ray, cell, exit, probe) {
+        if let Some(quick) = L::onward(ask, tables, ray, cell, exit, &mut ()) {
             answers.put(number, quick);
         }
+    }
+}
+
+/// Rays that are asked about together.
+struct Block<'a> {
+    ask: Ask,
+    tables: &'a Views,
+    rays: &'a [&'a Ray],
+    /// Those that follow each other start in different places.
+    scattered: bool,
+}
+
+impl<'a> Block<'a> {
+    #[inline(always)]
+    fn ray(&self, number: u8) -> &'a Ray {
+        self.rays[usize::from(number) % BLOCK]
+    }
+
+    /// Takes the rays of a pool through their prisms, eight at a time, until few are under way: those, and whether they are still where they
+    /// started. With `again` they are taken to walls only, and what those do not tell of is put there.
+    #[inline(always)]
+    fn run<L: Entries>(
+        &self,
+        mut pool: Pool,
+        mut left: usize,
+        answers: &mut Answers,
+        mut again: Option<&mut Pool>,
+    ) -> (Pool, bool) {
+        let mut starts = true;
+        while left > 0 && pool.len > 0 && (pool.len > FEW as usize || starts) {
+            let mut next = Pool::NONE;
+            for first in (0..pool.len).step_by(LANES) {
+                let count = (pool.len - first).min(LANES);
+                let (mut numbers, mut cells) = ([pool.ray[first]; LANES], [pool.cell[first]; LANES]);
+                for lane in 0..count {
+                    (numbers[lane], cells[lane]) = (pool.ray[first + lane], pool.cell[first + lane]);
+                }
+                let mut own = [self.rays[0]; LANES];
+                for lane in 0..LANES {
+                    own[lane] = self.ray(numbers[lane]);
+                }
+                let mut packet = Packet::<L>::new(self.tables, &own);
+                packet.under_way &= ALL >> (LANES - count);
+                let again = again.as_deref_mut();
+                let group = Group { ask: self.ask, starts, numbers, cells, answers, next: &mut next, again };
+                packet.run(group, self.scattered, &mut left);
+            }
+            (pool, starts) = (next, false);
+        }
+        (pool, starts)
     }
 }
 
@@ -184,24 +229,17 @@ impl<'a, L: Entries> Packet<'a, L> {
 
     /// Takes the rays through prisms together as long as they are in one, and leave it one way; then out of those in which they are then.
     #[inline(always)]
-    fn run<P: Probe>(
-        &mut self,
-        mut group: Group<'_>,
-        mut starts: bool,
-        scattered: bool,
-        left: &mut usize,
-        probe: &mut P,
-    ) {
+    fn run(&mut self, mut group: Group<'_>, scattered: bool, left: &mut usize) {
         let tables = self.tables;
         let lead = group.cells[0];
         *left = left.saturating_sub(1);
         if scattered || group.cells.iter().fold(0, |differ, cell| differ | (cell ^ lead)) != 0 {
-            let crossed = if starts {
+            let crossed = if group.starts {
                 self.cross_own::<true>(&group.cells)
             } else {
                 self.cross_own::<false>(&group.cells)
             };
-            self.apart(&crossed, starts, &mut group, probe);
+            self.apart(&crossed, &mut group);
             return;
         }
         while self.under_way != 0 && *left > 0 {
@@ -209,28 +247,22 @@ impl<'a, L: Entries> Packet<'a, L> {
             let step = &tables.steps[group.cells[0] as usize];
             let [floor, ceiling] = step.height;
             let (floor, ceiling) = (L::splat(floor), L::splat(ceiling));
-            let crossed = if starts {
+            let crossed = if group.starts {
                 self.cross::<true>(step.corners.into(), &One(step), floor, ceiling)
             } else {
                 self.cross::<false>(step.corners.into(), &One(step), floor, ceiling)
             };
-            if !step.is_some() || !self.together(step, &crossed, &mut group, probe) {
-                self.apart(&crossed, starts, &mut group, probe);
+            if !step.is_some() || !self.together(step, &crossed, &mut group) {
+                self.apart(&crossed, &mut group);
                 return;
             }
-            starts = false;
+            group.starts = false;
         }
     }
 
     /// Ends the ways of all rays, or takes them all into the next prism, where they leave theirs the same way; whether they do.
     #[inline(always)]
-    fn together<P: Probe>(
-        &mut self,
-        step: &Step,
-        crossed: &Crossed<L>,
-        group: &mut Group<'_>,
-        probe: &mut P,
-    ) -> bool {
+    fn together(&mut self, step: &Step, crossed: &Crossed<L>, group: &mut Group<'_>) -> bool {
         let all = self.under_way;
         let edges = crossed.edge;
         let edge = edges.store()[all.trailing_zeros() as usize];
@@ -261,9 +293,9 @@ impl<'a, L: Entries> Packet<'a, L> {
             if L::bits(exit.le(L::narrow(self.limit))) & all != all {
                 return false;
             }
-            let touched = self.touched_one(step.root, exit);
+            let touched = if group.again.is_some() { 0 } else { self.touched_one(step.root, exit) };
             if touched != 0 {
-                let found = self.detail(probe.ask(), touched, step.root, self.passes(step, edge));
+                let found = self.detail(group.ask, touched, step.root, self.passes(step, edge));
                 for lane in lanes(touched) {
                     if found.triangle[lane] != NONE {
                         let met = Found { t: found.t[lane], triangle: found.triangle[lane] };
@@ -286,14 +318,20 @@ impl<'a, L: Entries> Packet<'a, L> {
         if sure & all != all {
             return false;
         }
-        let touched = self.touched_one(step.root, L::narrow(t.min(self.limit)));
+        // Those of which detail may change the answer.
+        let open = group.is_open(all, t.le(self.limit));
+        if group.are_again(open) {
+            return false;
+        }
+        let touched =
+            if open == 0 { 0 } else { open & self.touched_one(step.root, L::narrow(t.min(self.limit))) };
         let met = t.store();
         for lane in lanes(all) {
             let found = Found { t: met[lane], triangle: plate.triangle };
             group.put(lane, Quick { found, cell: group.cells[lane], source }, self.rays[lane].tmax);
         }
         if touched != 0 {
-            let found = self.detail(probe.ask(), touched, step.root, t);
+            let found = self.detail(group.ask, touched, step.root, t);
             for lane in lanes(touched) {
                 let found = Found { t: found.t[lane], triangle: found.triangle[lane] };
                 if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {

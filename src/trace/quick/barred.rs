@@ -8,7 +8,7 @@ use super::{Exit, FROM_SURFACE, Way};
 use crate::format::Views;
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
-use crate::trace::kernel::Probe;
+use crate::trace::kernel::Ask;
 use crate::trace::lanes::Lanes;
 use crate::trace::ray::Ray;
 use crate::trace::step::Step;
@@ -19,37 +19,37 @@ pub(in crate::trace) const CELLS: usize = 8;
 
 /// Whether anything is in the way of a ray that starts in the air of a cell. `None` where there is doubt.
 #[inline(always)]
-pub(in crate::trace) fn barred<L: Entries, P: Probe>(
-    tables: &Views,
-    ray: &Ray,
-    cell: u32,
-    probe: &mut P,
-) -> Option<bool> {
+pub(in crate::trace) fn barred<L: Entries>(tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
     let way = Way::new(tables, ray)?;
     let exit = way.leave::<L>(cell, true);
     if way.is_walled::<L>(exit, 0.0) {
         return Some(true);
     }
-    let quick = L::onward(tables, ray, cell, exit, probe)?;
+    let quick = L::onward(Ask::Any, tables, ray, cell, exit, &mut ())?;
     Some(quick.found.triangle != NONE)
 }
 
 /// The same of a ray that starts on the surface of a cell, or of what stands in it.
 #[inline(always)]
-pub(in crate::trace) fn barred_from<L: Entries, P: Probe>(
+pub(in crate::trace) fn barred_from<L: Entries>(
     tables: &Views,
     ray: &Ray,
     cell: u32,
     surface: &Surface,
-    probe: &mut P,
 ) -> Option<bool> {
     let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
     let exit = way.leave_surface::<L>(cell)?;
     if way.is_walled::<L>(exit, FROM_SURFACE) {
         return Some(true);
     }
-    let quick = way.onward_clear::<L>(cell, exit, probe)?;
+    let quick = way.onward_clear::<L>(Ask::Any, cell, exit, &mut ())?;
     Some(quick.found.triangle != NONE)
+}
+
+/// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
+#[inline(always)]
+pub(in crate::trace) fn is_walled<L: Lanes>(tables: &Views, ray: &Ray, cell: u32) -> bool {
+    Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(way.leave::<L>(cell, false), 0.0))
 }
 
 impl Way<'_> {

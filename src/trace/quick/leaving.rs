@@ -226,6 +226,16 @@ impl Way<'_> {
         Crossing { exit, passage, is_within, is_clear }
     }
 
+    /// Where the ray leaves the cell, to rounding of f64.
+    #[inline(always)]
+    pub(super) fn exact(&self, exit: &Exit, cell: u32) -> f64 {
+        if exit.by == EXACT {
+            exit.t
+        } else {
+            self.passes(&self.tables.steps[cell as usize], exit.by as usize)
+        }
+    }
+
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.
     #[inline(always)]
     fn passes(&self, step: &Step, index: usize) -> f64 {

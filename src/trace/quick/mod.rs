@@ -18,17 +18,18 @@ mod tests;
 use glam::DVec3;
 
 use super::NONE;
+use super::cost::Count;
 use super::entries::Entries;
-use super::kernel::Probe;
+use super::kernel::Ask;
 use super::lanes::Lanes;
 use super::locate::beyond;
 use super::path::{BLURRED, NEAR};
 use super::ray::{Brief, Ray};
 use super::step::Step;
-use super::walk::{Found, Query, Surface, Walk, inverse};
+use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
 use crate::format::Views;
-use crate::format::records::{Leaf, NodeRecord};
-pub(super) use barred::{barred, barred_from};
+use crate::format::records::Leaf;
+pub(super) use barred::{CELLS, barred, barred_from, is_walled};
 pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, link};
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
@@ -59,6 +60,12 @@ pub(super) struct Quick {
 }
 
 impl Quick {
+    /// Something, for who wants to know only whether there is anything.
+    #[inline(always)]
+    pub(super) fn any(cell: u32) -> Quick {
+        Quick { found: Found { t: 0.0, triangle: 0 }, cell, source: NONE }
+    }
+
     /// The same in brief.
     #[inline(always)]
     pub(super) fn brief(&self) -> Brief {
@@ -71,26 +78,26 @@ impl Quick {
     }
 }
 
-/// What the ray meets first, or something where the `probe` looks for any; it starts in the air of a cell. `None` where there is doubt.
+/// What the ray meets first, which starts in the air of a cell. `None` where there is doubt.
 #[inline(always)]
-pub(super) fn quick<L: Entries, P: Probe>(
+pub(super) fn quick<L: Entries, C: Count>(
     tables: &Views,
     ray: &Ray,
     cell: u32,
-    probe: &mut P,
+    count: &mut C,
 ) -> Option<Quick> {
     let way = Way::new(tables, ray)?;
     let exit = way.leave::<L>(cell, true);
     // Most end in the cell in which they start. Others are looked at elsewhere, so that nothing is kept for that.
     if exit.link & Step::PLATE == 0 || exit.link == Step::AROUND {
-        return L::onward(tables, ray, cell, exit, probe);
+        return L::onward(Ask::First, tables, ray, cell, exit, count);
     }
-    probe.cell();
+    count.cell();
     let mut source = exit.link & !Step::PLATE;
     let mut end = way.plate(source)?;
     let (root, until) = (way.root(cell), way.until(end.t));
-    if way.may_meet::<L>(root, until, probe) {
-        let found = way.detail(root, 0.0, until, probe);
+    if let Some(opened) = way.may_meet::<L>(root, until, count) {
+        let found = way.detail::<L>(Ask::First, &opened, (0.0, until), count);
         if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
             (end, source) = (found, NONE);
         }
@@ -106,28 +113,29 @@ pub(super) fn leave<L: Lanes>(tables: &Views, ray: &Ray, cell: u32, starts: bool
 
 /// What a ray meets from a cell on, which it leaves at `exit`.
 #[inline(always)]
-pub(super) fn onward<L: Lanes, P: Probe>(
+pub(super) fn onward<L: Entries, C: Count>(
+    ask: Ask,
     tables: &Views,
     ray: &Ray,
     cell: u32,
     exit: Exit,
-    probe: &mut P,
+    count: &mut C,
 ) -> Option<Quick> {
-    Way::new(tables, ray)?.onward::<L>(cell, exit, probe)
+    Way::new(tables, ray)?.onward::<L>(ask, cell, exit, count)
 }
 
 /// The same of a ray that starts on the surface of a cell, or of what stands in it.
 #[inline(always)]
-pub(super) fn quick_from<L: Entries, P: Probe>(
+pub(super) fn quick_from<L: Entries, C: Count>(
     tables: &Views,
     ray: &Ray,
     cell: u32,
     surface: &Surface,
-    probe: &mut P,
+    count: &mut C,
 ) -> Option<Quick> {
     let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
     let exit = way.leave_surface::<L>(cell)?;
-    way.onward_clear::<L>(cell, exit, probe)
+    way.onward_clear::<L>(Ask::First, cell, exit, count)
 }
 
 /// A ray under way. What is seldom asked of it is not told where it is, but works it out anew: so that it stays in registers.
@@ -151,15 +159,7 @@ struct Way<'a> {
 impl<'a> Way<'a> {
     #[inline(always)]
     fn new(tables: &'a Views, ray: &'a Ray) -> Option<Self> {
-        let scene = &tables.scene[0];
-        let mut direction = DVec3::from(ray.direction);
-        let squared = direction.length_squared();
-        if !((squared - 1.0).abs() <= UNIT) {
-            if !(squared > 1e-100 && squared < 1e100) {
-                return None;
-            }
-            direction /= squared.sqrt();
-        }
+        let (scene, direction) = (&tables.scene[0], unit(ray)?);
         if !(ray.tmin == 0.0 && ray.tmax >= 0.0) || scene.lattice_bits < COARSEST {
             return None;
         }
@@ -200,8 +200,14 @@ impl<'a> Way<'a> {
 
     /// What it meets from a cell on, which it leaves at `exit`, if nothing near the surface.
     #[inline(always)]
-    fn onward_clear<L: Lanes>(&self, cell: u32, exit: Exit, probe: &mut impl Probe) -> Option<Quick> {
-        let quick = self.onward::<L>(cell, exit, probe)?;
+    fn onward_clear<L: Entries>(
+        &self,
+        ask: Ask,
+        cell: u32,
+        exit: Exit,
+        count: &mut impl Count,
+    ) -> Option<Quick> {
+        let quick = self.onward::<L>(ask, cell, exit, count)?;
         let is_same = self.surface.is_some_and(|surface| quick.found.triangle == surface.triangle);
         let is_clear = quick.found.t >= FROM_SURFACE && !is_same;
         (quick.found.triangle == NONE || is_clear).then_some(quick)
@@ -243,11 +249,17 @@ impl<'a> Way<'a> {
 
     /// What the ray meets from a cell on, which it leaves at `exit`.
     #[inline(always)]
-    fn onward<L: Lanes>(&self, mut cell: u32, mut here: Exit, probe: &mut impl Probe) -> Option<Quick> {
+    fn onward<L: Entries>(
+        &self,
+        ask: Ask,
+        mut cell: u32,
+        mut here: Exit,
+        count: &mut impl Count,
+    ) -> Option<Quick> {
         let tables = self.tables;
         // Each once.
         for _ in 0..tables.cells.len() {
-            probe.cell();
+            count.cell();
             // What stands behind the face, if that ends the way.
             let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
             let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
@@ -257,10 +269,13 @@ impl<'a> Way<'a> {
             }
             let root = self.root(cell);
             let until = self.until(if ends { end.t } else { here.at_most() });
-            if self.may_meet::<L>(root, until, probe) {
-                let until = self.until(if ends { end.t } else { here.exact_of(tables, self.ray, cell) });
-                let found = self.detail(root, 0.0, until, probe);
-                if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
+            if let Some(opened) = self.may_meet::<L>(root, until, count) {
+                let found = self.detail::<L>(ask, &opened, (0.0, until), count);
+                // Before a face, or not behind where the ray leaves: there something of another cell may come first.
+                let is_here = found.triangle != NONE
+                    && (found.t, found.triangle) < (end.t, end.triangle)
+                    && (ends || ask == Ask::Any || found.t <= self.exact(&here, cell) + NEAR);
+                if is_here {
                     (end, source) = (found, NONE);
                 }
             }
@@ -275,7 +290,8 @@ impl<'a> Way<'a> {
             if here.link == Step::AROUND {
                 // Where cells say that it leaves them, or a little before: what it passed within them it did not meet.
                 let from = here.exact_of(tables, self.ray, cell) - NEAR;
-                let found = self.detail(tables.cells[0].root, from, self.limit, probe);
+                let opened = Opened::not_yet(tables.cells[0].root);
+                let found = self.detail::<L>(ask, &opened, (from, self.limit), count);
                 return Some(if found.triangle == NONE {
                     self.nothing(0)
                 } else {
@@ -294,10 +310,20 @@ impl<'a> Way<'a> {
         if end.t <= self.limit { Quick { found: end, cell, source } } else { self.nothing(cell) }
     }
 
-    /// Whether it may meet detail of a root before `until`.
+    /// The detail of a root that it may meet before `until`.
     #[inline(always)]
-    fn may_meet<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
-        root != NONE && (root & Leaf::BIT != 0 || self.touches::<L>(root, until, probe))
+    fn may_meet<L: Lanes>(&self, root: u32, until: f64, count: &mut impl Count) -> Option<Opened> {
+        if root == NONE {
+            return None;
+        }
+        if root & Leaf::BIT != 0 {
+            return Some(Opened::not_yet(root));
+        }
+        count.node();
+        let scene = &self.tables.scene[0];
+        let direction = self.direction.as_vec3().to_array();
+        let local = (self.origin - DVec3::from(scene.center)).as_vec3().to_array();
+        may_meet::<L>(self.tables, root, local, inverse(direction), until as f32)
     }
 
     /// The end of a search for detail before `t`.
@@ -314,20 +340,15 @@ impl<'a> Way<'a> {
         if step.is_some() { step.root } else { self.tables.cells[cell as usize].root }
     }
 
-    /// Whether the ray comes to any of a node's boxes before `until`.
     #[inline(always)]
-    fn touches<L: Lanes>(&self, root: u32, until: f64, probe: &mut impl Probe) -> bool {
-        probe.node();
-        let scene = &self.tables.scene[0];
-        let direction = self.direction.as_vec3().to_array();
-        let local = (self.origin - DVec3::from(scene.center)).as_vec3().to_array();
-        let node = &self.tables.nodes[root as usize];
-        touches::<L>(node, local, inverse(direction), until as f32, scene.slack)
-    }
-
-    #[inline(always)]
-    fn detail(&self, root: u32, from: f64, until: f64, probe: &mut impl Probe) -> Found {
-        detail(self.tables, self.ray, self.surface, root, [from, until], probe)
+    fn detail<L: Entries>(
+        &self,
+        ask: Ask,
+        opened: &Opened,
+        range: (f64, f64),
+        count: &mut impl Count,
+    ) -> Found {
+        L::detail(ask, self.tables, self.ray, self.surface, opened, range, count)
     }
 
     #[inline(always)]
@@ -342,43 +363,48 @@ pub(super) fn nothing(limit: f64, cell: u32) -> Quick {
     Quick { found: Found { t: limit, triangle: NONE }, cell, source: NONE }
 }
 
-/// Whether a ray comes to any of a node's boxes before `until`: from a place relative to the scene's center, 1 by its direction.
+/// The detail of a root, which is a node, that a ray may meet before `until`: from a place relative to the scene's center, 1 by its
+/// direction.
 #[inline(always)]
-pub(super) fn touches<L: Lanes>(
-    node: &NodeRecord,
+pub(super) fn may_meet<L: Lanes>(
+    tables: &Views,
+    root: u32,
     local: [f32; 3],
     inverse: [f32; 3],
     until: f32,
-    slack: f32,
-) -> bool {
-    let sides = [&node.lo, &node.hi];
+) -> Option<Opened> {
+    let slack = tables.scene[0].slack;
     // A little more, for what f32 made of it.
-    let (mut near, mut far) = (L::splat(-slack), L::splat(until + until * 2e-6 + slack));
-    for axis in 0..3 {
-        // Not the lesser and the greater: the box of a lane without a child is inside out.
-        let back = usize::from(inverse[axis] < 0.0);
-        let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
-        let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
-        near = near.max(enter.mul_sub(inverse, shift));
-        far = far.min(leave.mul_sub(inverse, shift));
+    let range = [-slack, until + until * 2e-6 + slack];
+    Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, range))
+}
+
+/// The ray's direction at unit length.
+#[inline(always)]
+fn unit(ray: &Ray) -> Option<DVec3> {
+    let direction = DVec3::from(ray.direction);
+    let squared = direction.length_squared();
+    if (squared - 1.0).abs() <= UNIT {
+        return Some(direction);
     }
-    L::bits(near.le(far)) != 0
+    (squared > 1e-100 && squared < 1e100).then(|| direction / squared.sqrt())
 }
 
 /// What the ray meets of a hierarchy between two places along it.
-#[inline(never)]
-pub(super) fn detail(
+#[inline(always)]
+pub(super) fn detail<L: Lanes, C: Count>(
+    ask: Ask,
     tables: &Views,
     ray: &Ray,
     surface: Option<&Surface>,
-    root: u32,
-    [from, until]: [f64; 2],
-    probe: &mut impl Probe,
+    opened: &Opened,
+    (from, until): (f64, f64),
+    count: &mut C,
 ) -> Found {
-    let Some(way) = Way::new(tables, ray) else { return Found { t: until, triangle: NONE } };
-    let (scene, surface) = (&tables.scene[0], surface.copied());
+    let Some(direction) = unit(ray) else { return Found { t: until, triangle: NONE } };
     // Also what is behind it by no more than rounding: that is asked about.
     let first = from.max(0.0) - surface.map_or(0.0, |surface| surface.behind());
-    let query = Query::new(way.origin, way.direction, (first, until), 0.0, scene, root, surface);
-    probe.first(&Walk::new(tables), &query)
+    let origin = DVec3::from(ray.origin);
+    let query = Query::new(origin, direction, (first, until), 0.0, &tables.scene[0], opened.root, surface);
+    walk::<L>(ask, &Walk::new(tables), &query, Some(opened), count)
 }

@@ -48,11 +48,7 @@ fn check(name: &str, scene: &Scene, share: f64) {
         quick += 1;
         let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
         assert_eq!(found.triangle == NONE, careful.triangle == NONE, "{name}: {ray:?} {found:?} {careful:?}");
-        assert_eq!(
-            any,
-            Some(found.triangle != NONE),
-            "{name}: {ray:?}"
-        );
+        assert_eq!(any, Some(found.triangle != NONE), "{name}: {ray:?}");
         if found.triangle != NONE {
             hits += 1;
             // The plane of a source's triangles is theirs to a micrometre.
