@@ -287,6 +287,9 @@ impl Scene {
             Plan::One
         } else if !is_scattered(starts, rays) {
             Plan::Together
+        } else if batch.ask == Ask::Any {
+            // Most go through a cell or two and look at nothing there: putting them together takes longer.
+            Plan::One
         } else if is_large {
             Plan::Sorted
         } else if batch.kernel == Kernel::PORTABLE {

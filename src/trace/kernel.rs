@@ -4,7 +4,7 @@ use super::cost::{Cost, Count};
 use super::entries::portable;
 use super::lanes::Portable;
 use super::packet::Answers;
-use super::quick::{Quick, nothing};
+use super::quick::Quick;
 use super::ray::Ray;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
@@ -158,8 +158,7 @@ impl Kernel {
                 let _ = scattered;
                 answers.fill(rays, cells, |ray, cell| match ask {
                     Ask::First => portable::quick(tables, ray, cell),
-                    Ask::Any => portable::barred(tables, ray, cell)
-                        .map(|is_barred| if is_barred { Quick::any(cell) } else { nothing(ray.tmax, cell) }),
+                    Ask::Any => Some(Quick::of(portable::barred(tables, ray, cell)?, ray, cell)),
                 });
             }
             // With eight lanes AVX-512 is no faster. Who has it has AVX2.

@@ -79,10 +79,11 @@ pub(super) fn packets<L: Entries>(
         let mut again = Pool::NONE;
         let (rest, starts) = block.run::<L>(pool, BLOCK * WALLS, answers, Some(&mut again));
         for (number, cell) in rest.iter() {
-            if starts || !L::is_walled(tables, block.ray(number), cell) {
+            let ray = block.ray(number);
+            if starts || !L::is_walled(tables, ray, cell) {
                 again.push(number, cell);
             } else {
-                answers.put(number, Quick::any(cell));
+                answers.put(number, Quick::of(true, ray, cell));
             }
         }
         for (number, cell) in again.ray.iter().zip(&mut again.cell).take(again.len) {

@@ -60,10 +60,11 @@ pub(super) struct Quick {
 }
 
 impl Quick {
-    /// Something, for who wants to know only whether there is anything.
+    /// Whether there is anything in the way of a ray, for who wants to know no more.
     #[inline(always)]
-    pub(super) fn any(cell: u32) -> Quick {
-        Quick { found: Found { t: 0.0, triangle: 0 }, cell, source: NONE }
+    pub(super) fn of(is_barred: bool, ray: &Ray, cell: u32) -> Quick {
+        let triangle = if is_barred { 0 } else { NONE };
+        Quick { found: Found { t: ray.tmax, triangle }, cell, source: NONE }
     }
 
     /// The same in brief.
