@@ -110,11 +110,12 @@ mod tests {
         let (truth, lacking) = without(model.clone(), is_hidden);
         let mut roles = roles(&truth, Untagged::default());
         lacking.into_iter().for_each(|element| roles[element as usize] = Role::Detail);
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| hidden.trace_many(rays, hits, Default::default());
+        let trace = |rays: &[Ray], hits: &mut [Hit]| hidden.trace_many(rays, hits, Default::default());
+        let occluded = |rays: &[Ray], occluded: &mut [bool]| hidden.occluded_many(rays, occluded);
         let mut options = VerifyOptions::default().with_rays(3000).with_grid_rays(1000);
         (options.solid_rays, options.hard_rays) = (1000, 3000);
-        let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();
-        assert!(report.passed(), "{:#?}", report.wrong);
+        let report = verify(&truth, |e| roles[e.0 as usize], &(trace, occluded), &options).unwrap();
+        assert!(report.passed(), "{:#?} {:?}", report.wrong, report.sight);
         // Single rays say the same.
         let mut random = crate::splitmix::SplitMix64::new(9);
         let [lo, hi] = scene.hull();

@@ -9,20 +9,21 @@ use enfilade_importers::{Cancelled, ElementId, Model, Role, Watch};
 use serde::Serialize;
 
 use crate::oracle::{GridCheck, RayKind, RaySource, Truth, TruthOptions};
-use crate::trace::{Hit, Ray};
+use crate::trace::{Answer, Hit, Ray};
 
 mod report;
+mod sight;
 mod standing;
 mod tally;
+mod tracer;
 
 pub use report::{Case, ErrorStats, KindTally, Said, Tally, VerifyReport};
+pub use sight::{Sight, SightTally};
 
 pub use standing::{standing, tell_sheets, without};
+pub use tracer::Tracer;
 
 use tally::Account;
-
-/// Answers rays: writes the record of `rays[i]`'s answer to `hits[i]`. Called from many threads at once.
-pub type Tracer<'a> = dyn Fn(&[Ray], &mut [Hit]) + Sync + 'a;
 
 /// How to verify.
 #[derive(Clone, Debug)]
@@ -105,7 +106,7 @@ const JOB: u64 = 4096;
 const WAVE: u64 = 256;
 
 /// Sends random rays through `tracer`, and judges its answers by the triangles of `model`, whose elements have the
-/// roles that `role` gives.
+/// roles that `role` gives; and asks it whether anything is in the way of parts of those that it answers rightly.
 ///
 /// # Errors
 /// If the watch's token was cancelled.
@@ -115,7 +116,7 @@ const WAVE: u64 = 256;
 pub fn verify(
     model: &Model,
     role: impl Fn(ElementId) -> Role,
-    tracer: &Tracer<'_>,
+    tracer: &dyn Tracer,
     options: &VerifyOptions,
 ) -> Result<VerifyReport, Cancelled> {
     let truth = Truth::new(model, &role, &TruthOptions::default().with_tolerance(options.tolerance));
@@ -154,7 +155,7 @@ struct Run<'a> {
     source: &'a RaySource<'a>,
     /// Whether rays see an element.
     seen: &'a [bool],
-    tracer: &'a Tracer<'a>,
+    tracer: &'a dyn Tracer,
     options: &'a VerifyOptions,
     done: AtomicU64,
     whole: u64,
@@ -179,15 +180,21 @@ impl Run<'_> {
         Ok(whole)
     }
 
+    /// Sends the rays from `start` to `end` of a kind.
     fn job(&self, kind: RayKind, start: u64, end: u64) -> Result<Account, Cancelled> {
         self.options.watch.check()?;
         let rays: Vec<Ray> = (start..end).map(|index| self.source.ray(kind, index)).collect();
         let mut hits = vec![Hit::ESCAPED; rays.len()];
-        (self.tracer)(&rays, &mut hits);
+        self.tracer.trace(&rays, &mut hits);
         let mut account = Account::new(self.options.cases);
+        let mut right: Vec<(u64, Ray, Answer)> = Vec::new();
         for ((index, ray), hit) in (start..end).zip(&rays).zip(&hits) {
-            account.judge(self.truth, self.seen, kind, index, ray, hit);
+            if account.judge(self.truth, self.seen, kind, index, ray, hit) {
+                right.push((index, *ray, hit.answer()));
+            }
         }
+        let (seed, tolerance) = (self.options.seed, self.truth.tolerance());
+        account.sight = SightTally::look(self.tracer, kind, seed, tolerance, right.into_iter());
         let done = self.done.fetch_add(end - start, Ordering::Relaxed) + (end - start);
         self.options.watch.report("verify", done as f64 / self.whole as f64);
         Ok(account)

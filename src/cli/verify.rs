@@ -83,10 +83,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let mut roles = roles(&model, arguments.reading.untagged.untagged());
         lacking.into_iter().for_each(|element| roles[element as usize] = Role::Detail);
         roles[own..].fill(Role::Detail);
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+        let trace = |rays: &[Ray], hits: &mut [Hit]| {
             scene.trace_many(rays, hits, Want::LEAST);
             tell_sheets(&scene, own as u32, hits);
         };
+        let tracer = (trace, |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded));
         let options = VerifyOptions::default()
             .with_rays(arguments.rays)
             .with_seed(arguments.seed)
@@ -161,6 +162,20 @@ fn write_text(out: &mut String, r: &VerifyReport, passed: bool, seconds: f64) ->
         "the truth's grid against brute force: {} rays, {} differing",
         r.grid.rays, r.grid.different
     )?;
+    writeln!(
+        out,
+        "segments: {}, {} with something in their way, {} told otherwise than their rays",
+        r.sight.rays, r.sight.occluded, r.sight.different
+    )?;
+    for sight in &r.sight.cases {
+        let ([ox, oy, oz], [dx, dy, dz]) = (sight.origin, sight.direction);
+        writeln!(
+            out,
+            "segment: {ox} {oy} {oz} {dx} {dy} {dz} up to {} m (internal frame), {}",
+            sight.tmax,
+            if sight.occluded { "called free" } else { "called occluded" }
+        )?;
+    }
     for case in &r.wrong {
         write_case(out, "wrong", case)?;
     }

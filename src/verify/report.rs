@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::sight::SightTally;
 use super::tally::{Account, Errors};
 use super::{GridCheck, MOST_EXCUSED, Serialize, Truth, VerifyOptions};
 use crate::oracle::right::{Verdict, Why};
@@ -34,6 +35,8 @@ pub struct VerifyReport {
     pub forward_edges: ErrorStats,
     /// The largest backward error of a right answer, as far as witnesses were found: an upper bound.
     pub largest_backward: f64,
+    /// Segments of rays, and whether anything is in their way; none if the tracer cannot tell.
+    pub sight: SightTally,
     /// The check of the truth's grid against brute force.
     pub grid: GridCheck,
     /// The first wrong answers.
@@ -177,10 +180,13 @@ impl Said {
 }
 
 impl VerifyReport {
-    /// Whether no answer is wrong, at most [`MOST_EXCUSED`] of the random rays are excused, and the grid agrees with
-    /// brute force.
+    /// Whether no answer is wrong, none about a segment is another than that about its ray, at most [`MOST_EXCUSED`] of the random rays
+    /// are excused, and the grid agrees with brute force.
     pub fn passed(&self) -> bool {
-        self.total.wrong == 0 && self.excused <= MOST_EXCUSED && self.grid.different == 0
+        self.total.wrong == 0
+            && self.sight.different == 0
+            && self.excused <= MOST_EXCUSED
+            && self.grid.different == 0
     }
 }
 
@@ -193,7 +199,7 @@ pub(super) fn report(
 ) -> VerifyReport {
     let mut total = Tally::default();
     let (mut forward, mut forward_edges) = (Errors::default(), Errors::default());
-    let mut largest_backward = 0.0f64;
+    let (mut largest_backward, mut sight) = (0.0f64, SightTally::default());
     let (mut wrong, mut edges) = (Vec::new(), Vec::new());
     let (mut excused, mut random) = (0, 0);
     let mut tallies = Vec::new();
@@ -204,6 +210,7 @@ pub(super) fn report(
         largest_backward = largest_backward.max(account.largest_backward);
         wrong.extend(account.wrong);
         edges.extend(account.edges);
+        sight.merge(account.sight, options.cases);
         if matches!(kind, RayKind::Room | RayKind::Outside) {
             excused += account.tally.excused();
             random += account.tally.rays;
@@ -225,6 +232,7 @@ pub(super) fn report(
         forward: forward.stats(),
         forward_edges: forward_edges.stats(),
         largest_backward,
+        sight,
         grid,
         wrong,
         edges,

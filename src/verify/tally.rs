@@ -1,6 +1,7 @@
 //! Counting verdicts, so that partial counts merge to the same whole in any grouping of threads.
 
 use super::report::{Case, ErrorStats, Said, Tally};
+use super::sight::SightTally;
 use crate::oracle::right::{Judgement, Verdict, Why};
 use crate::oracle::{RayKind, Truth};
 use crate::trace::{Answer, Hit, Ray};
@@ -16,6 +17,7 @@ pub(super) struct Account {
     pub(super) wrong: Vec<Case>,
     /// Those displaced farthest.
     pub(super) edges: Vec<Case>,
+    pub(super) sight: SightTally,
     cases: usize,
 }
 
@@ -28,6 +30,7 @@ impl Account {
             largest_backward: 0.0,
             wrong: Vec::new(),
             edges: Vec::new(),
+            sight: SightTally::default(),
             cases,
         }
     }
@@ -42,9 +45,10 @@ impl Account {
         self.wrong.truncate(self.cases);
         self.edges.extend(other.edges);
         self.keep_worst_edges();
+        self.sight.merge(other.sight, self.cases);
     }
 
-    /// Judges one answer.
+    /// Judges one answer; whether it is right.
     pub(super) fn judge(
         &mut self,
         truth: &Truth,
@@ -53,7 +57,7 @@ impl Account {
         index: u64,
         ray: &Ray,
         hit: &Hit,
-    ) {
+    ) -> bool {
         let answer = hit.answer();
         let mut judgement = truth.judge(ray, &answer);
         if judgement.verdict.is_right() && !is_sound(&answer, ray, seen, truth.tolerance()) {
@@ -86,6 +90,7 @@ impl Account {
                 self.keep_worst_edges();
             }
         }
+        !is_wrong
     }
 
     fn keep_worst_edges(&mut self) {

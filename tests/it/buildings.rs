@@ -45,13 +45,14 @@ fn every_answer_is_right() {
         let model = load(&path);
         let scene = scene(&model);
         let roles = roles(&model, Untagged::default());
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
         let options = VerifyOptions::default().with_rays(50_000).with_grid_rays(1000);
-        let report = verify(&model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
+        let report = verify(&model, |e| roles[e.0 as usize], &scene, &options).unwrap();
         println!("{}: {:?}", path.display(), report.total);
         assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);
         assert!(report.excused <= MOST_EXCUSED, "{}: {}", path.display(), report.excused);
         assert_eq!(report.grid.different, 0, "{}", path.display());
+        let sight = &report.sight;
+        assert!(sight.different == 0 && sight.occluded > 10_000, "{}: {sight:?}", path.display());
     }
 }
 
@@ -455,14 +456,16 @@ fn answers_are_those_of_the_model_as_its_openings_stand() {
         let (truth, own) = (standing(model.clone(), &scene), model.elements.len());
         let mut roles = roles(&truth, Untagged::default());
         roles[own..].fill(Role::Detail);
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+        let trace = |rays: &[Ray], hits: &mut [Hit]| {
             scene.trace_many(rays, hits, Want::LEAST);
             tell_sheets(&scene, own as u32, hits);
         };
+        let tracer = (trace, |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded));
         let options = VerifyOptions::default().with_rays(30_000).with_grid_rays(200).with_seed(3);
         let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();
         println!("{}: {} closed, {:?}", path.display(), scene.closures().len(), report.total);
         assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);
+        assert_eq!(report.sight.different, 0, "{}: {:?}", path.display(), report.sight);
     }
 }
 

@@ -12,8 +12,8 @@ use enfilade::partition::cells::{Cover, Label, NONE, Partition};
 use enfilade::roles::roles;
 use enfilade::verify::VerifyReport;
 use enfilade::{
-    Answer, CompileError, CompileOptions, Hit, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want,
-    compile, compile_partition, verify,
+    Answer, CompileError, CompileOptions, Kernel, Place, Ray, Scene, Start, VerifyOptions, Want, compile,
+    compile_partition, verify,
 };
 use enfilade_testing::Random;
 
@@ -71,10 +71,9 @@ fn truth(made: &Made) -> Truth {
 
 fn verified(made: &Made, scene: &Scene, rays: u64, seed: u64) -> VerifyReport {
     let roles = roles(&made.model, Untagged::default());
-    let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
     let mut options = VerifyOptions::default().with_rays(rays).with_grid_rays(100).with_seed(seed);
     options.cases = 1000;
-    verify(&made.model, |e| roles[e.0 as usize], &tracer, &options).unwrap()
+    verify(&made.model, |e| roles[e.0 as usize], scene, &options).unwrap()
 }
 
 #[test]
@@ -87,6 +86,7 @@ fn exact_partitions_answer_right() {
             println!("{name} {seed}: {} cells, {:?}", scene.cells().len(), report.total);
             assert!(scene.cells().len() > 50 && report.total.hits > 1000);
             assert!(report.wrong.is_empty(), "{name} {seed}: {:?}", report.wrong);
+            assert_eq!(report.sight.different, 0, "{name} {seed}: {:?}", report.sight);
             assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
             assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }
@@ -101,6 +101,7 @@ fn rounded_partitions_answer_right() {
             let report = verified(&made, &compiled(&made), 6000, seed);
             println!("{name} {seed}: {:?}", report.total);
             assert!(report.wrong.is_empty(), "{name} {seed}: {:?}", report.wrong);
+            assert_eq!(report.sight.different, 0, "{name} {seed}: {:?}", report.sight);
             assert!(report.excused <= enfilade::verify::MOST_EXCUSED, "{name} {seed}: {}", report.excused);
             assert!(report.forward.p99 <= 1e-9, "{name} {seed}: {:?}", report.forward);
         }

@@ -27,14 +27,15 @@ fn check(model: &Model, scene: &Scene, rays: u64, name: &str) {
     let elements = model.elements.len();
     let mut roles = roles(&truth, Default::default());
     roles[elements..].fill(Role::Detail);
-    let tracer = |rays: &[Ray], hits: &mut [Hit]| {
+    let trace = |rays: &[Ray], hits: &mut [Hit]| {
         scene.trace_many(rays, hits, Want::LEAST);
         tell_sheets(scene, elements as u32, hits);
     };
+    let tracer = (trace, |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded));
     let options =
         VerifyOptions::default().with_rays(rays).with_grid_rays(200).with_tolerance(scene.tolerance());
     let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();
-    assert!(report.passed(), "{name}: {:?} {:?}", report.total, report.wrong);
+    assert!(report.passed(), "{name}: {:?} {:?} {:?}", report.total, report.wrong, report.sight);
 }
 
 /// Every opening another way.

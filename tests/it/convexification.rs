@@ -22,9 +22,10 @@ fn both(name: &str) -> [Crossings; 2] {
         let roles = roles(&model, Untagged::default());
         let mut verifying = VerifyOptions::default().with_rays(2000).with_grid_rays(200);
         (verifying.solid_rays, verifying.hard_rays) = (500, 500);
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
-        let report = verify(&model, |e| roles[e.0 as usize], &tracer, &verifying).unwrap();
-        assert!(report.passed(), "{name}, {how:?}: {:#?}", report.wrong);
+        let trace = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
+        let occluded = |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded);
+        let report = verify(&model, |e| roles[e.0 as usize], &(trace, occluded), &verifying).unwrap();
+        assert!(report.passed(), "{name}, {how:?}: {:#?} {:?}", report.wrong, report.sight);
         let views = parse_cameras(&frozen.cameras, "scenes.toml", &scene.frame()).unwrap();
         let mut counting = CrossingOptions::default();
         counting.size = (64, 64);

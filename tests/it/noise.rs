@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use enfilade::generate::{HouseOptions, OfficeOptions, house, random};
 use enfilade::importers::{Model, Untagged};
 use enfilade::roles::roles;
-use enfilade::{CompileOptions, Hit, Ray, VerifyOptions, Want, compile, verify};
+use enfilade::{CompileOptions, VerifyOptions, compile, verify};
 use enfilade_testing::Random;
 
 /// What is done to a model.
@@ -94,11 +94,16 @@ fn every_answer_is_right() {
             let model = noisy(model.clone(), noise, seed as u64);
             let compiled = compile(&model, &CompileOptions::default()).unwrap();
             let scene = compiled.scene();
-            let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
             let roles = roles(&model, Untagged::default());
             let options = VerifyOptions::default().with_rays(4000).with_grid_rays(100);
-            let report = verify(&model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
-            assert!(report.passed(), "{number} {noise:?}: {:?} {:?}", report.excused, report.wrong);
+            let report = verify(&model, |e| roles[e.0 as usize], &scene, &options).unwrap();
+            assert!(
+                report.passed(),
+                "{number} {noise:?}: {:?} {:?} {:?}",
+                report.excused,
+                report.wrong,
+                report.sight
+            );
             assert!(scene.cells().len() > 50, "{number} {noise:?}");
             assert!(report.total.hits > 1000, "{number} {noise:?}: {:?}", report.total);
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use enfilade::importers::{ImportOptions, Model, Untagged, import};
 use enfilade::inspect::inspect;
 use enfilade::roles::roles;
-use enfilade::{CompileOptions, Hit, Place, Ray, Scene, VerifyOptions, Want, compile, verify};
+use enfilade::{CompileOptions, Place, Scene, VerifyOptions, compile, verify};
 use serde_json::Value;
 
 fn fixtures(ending: &str) -> Vec<PathBuf> {
@@ -35,10 +35,10 @@ fn every_answer_is_right() {
         assert_eq!(out, compiled.report.triangles_in, "{}", path.display());
         let scene = compiled.scene();
         let roles = roles(&model, Untagged::default());
-        let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
         let options = VerifyOptions::default().with_rays(4_000).with_grid_rays(200);
-        let report = verify(&model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
+        let report = verify(&model, |e| roles[e.0 as usize], &scene, &options).unwrap();
         assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);
+        assert_eq!(report.sight.different, 0, "{}: {:?}", path.display(), report.sight);
         assert_eq!(report.grid.different, 0, "{}", path.display());
     }
 }

@@ -12,7 +12,7 @@ use enfilade::components::{Component, Orientation, components};
 use enfilade::generate::{Building, Export, HouseOptions, Style, Unit, house};
 use enfilade::importers::{Element, ImportOptions, Mesh, Model, Semantic, Untagged, UpAxis, import};
 use enfilade::roles::roles;
-use enfilade::{CompileOptions, Hit, Place, Ray, Scene, VerifyOptions, Want, compile, verify};
+use enfilade::{CompileOptions, Place, Scene, VerifyOptions, compile, verify};
 
 static HOUSE: LazyLock<Building> = LazyLock::new(|| house(&HouseOptions::default()));
 static EXACT: LazyLock<Model> = LazyLock::new(|| HOUSE.to_model().unwrap());
@@ -123,10 +123,10 @@ fn triangles(mesh: &Mesh) -> Vec<[[u64; 3]; 3]> {
 
 fn verify_scene(model: &Model, scene: &Scene, what: &str) {
     let roles = roles(model, Untagged::default());
-    let tracer = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Want::LEAST);
     let options = VerifyOptions::default().with_rays(5000).with_grid_rays(200);
-    let report = verify(model, |e| roles[e.0 as usize], &tracer, &options).unwrap();
+    let report = verify(model, |e| roles[e.0 as usize], scene, &options).unwrap();
     assert_eq!(report.total.wrong, 0, "{what}: {:?}", report.wrong);
+    assert_eq!(report.sight.different, 0, "{what}: {:?}", report.sight);
     assert_eq!(report.grid.different, 0, "{what}");
 }
 

@@ -35,12 +35,14 @@ pub fn check(input: &[u8]) {
     let (scene, roles) = (compiled.scene(), roles(&read, Untagged::default()));
     let mut options = VerifyOptions::default().with_rays(24).with_grid_rays(24);
     (options.solid_rays, options.hard_rays) = (24, 24);
-    let tracer =
+    let trace =
         |rays: &[enfilade::Ray], hits: &mut [enfilade::Hit]| scene.trace_many(rays, hits, Default::default());
-    match verify(&read, |element| roles[element.0 as usize], &tracer, &options) {
+    let occluded = |rays: &[enfilade::Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded);
+    match verify(&read, |element| roles[element.0 as usize], &(trace, occluded), &options) {
         Ok(report) => {
             assert_eq!(report.grid.different, 0, "{:?}", report.grid);
             assert_eq!(report.total.wrong, 0, "{:#?}", report.wrong);
+            assert_eq!(report.sight.different, 0, "{:#?}", report.sight);
         }
         Err(_) => unreachable!("nobody cancels"),
     }

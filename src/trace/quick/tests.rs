@@ -37,18 +37,24 @@ fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
 /// That it answers nearly all, and as the careful walk does: the same on all kernels.
 fn check(name: &str, scene: &Scene, share: f64) {
     let rays = rays(scene, 40_000, 5);
-    let (mut quick, mut hits, mut others) = (0, 0, 0);
+    let (mut quick, mut hits, mut others, mut far) = (0, 0, 0, 0);
     for (cell, ray) in &rays {
         let found: Vec<Option<Quick>> =
             Kernel::available().into_iter().map(|k| k.quick(&scene.tables, ray, *cell)).collect();
         let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
         assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {ray:?} {found:?}");
-        let any = scene.kernel.barred(&scene.tables, ray, *cell);
+        let barred: Vec<Option<bool>> =
+            Kernel::available().into_iter().map(|k| k.barred(&scene.tables, ray, *cell)).collect();
+        assert!(barred.iter().all(|b| *b == barred[0]), "{name}: {ray:?} {barred:?}");
+        let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
+        let is_met = careful.triangle != NONE;
+        // Also where what the ray meets first is in doubt, and a wall behind it is not.
+        assert!(barred[0].is_none_or(|is_barred| is_barred == is_met), "{name}: {ray:?} {careful:?}");
         let Some(Quick { found, .. }) = found[0] else { continue };
         quick += 1;
-        let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
-        assert_eq!(found.triangle == NONE, careful.triangle == NONE, "{name}: {ray:?} {found:?} {careful:?}");
-        assert_eq!(any, Some(found.triangle != NONE), "{name}: {ray:?}");
+        assert_eq!(found.triangle != NONE, is_met, "{name}: {ray:?} {found:?} {careful:?}");
+        assert!(barred[0].is_some(), "{name}: {ray:?} {found:?}");
+        far += u32::from(scene.trace_cost_from(Start::Cell(*cell), ray, Want::LEAST).1.cells > CELLS as u32);
         if found.triangle != NONE {
             hits += 1;
             // The plane of a source's triangles is theirs to a micrometre.
@@ -63,6 +69,7 @@ fn check(name: &str, scene: &Scene, share: f64) {
     let answered = f64::from(quick) / rays.len() as f64;
     assert!(answered >= share && hits > quick / 4, "{name}: {answered} of the rays, {hits} hits of {quick}");
     assert!(others * 1000 < hits, "{name}: {others} of {hits} hits are of other elements");
+    assert!(far > 0, "{name}: none goes farther than walls are looked for");
 }
 
 #[test]
@@ -110,6 +117,12 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
         let parts = |q: &Option<Quick>| q.map(|q| (q.found.t.to_bits(), q.found.triangle, q.cell, q.source));
         assert!(found.iter().all(|q| parts(q) == parts(&found[0])), "{name}: {onward:?} {found:?}");
         let careful = scene.careful(Start::Hit(&hit), &onward, Want::LEAST);
+        for kernel in Kernel::available() {
+            let barred = kernel.barred_from(&scene.tables, &onward, hit.cell, &surface);
+            let is_met = careful.triangle != NONE;
+            assert!(barred.is_none_or(|is_barred| is_barred == is_met), "{name}: {hit:?} {onward:?}");
+            assert!(barred.is_some() || found[0].is_none(), "{name}: {hit:?} {onward:?}");
+        }
         assert_eq!(
             scene.occluded_from(Start::Hit(&hit), &onward),
             careful.triangle != NONE,
