@@ -126,6 +126,41 @@ fn a_dropped_triangle_is_noticed() {
 }
 
 #[test]
+fn segments_that_are_told_otherwise_than_their_rays_are_noticed() {
+    let (house, plain) = (house(), Plain::of(house()));
+    let trace = |rays: &[Ray], hits: &mut [Hit]| {
+        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = plain.hit(ray));
+    };
+    let report = |occluded: &(dyn Fn(&Hit, f64) -> bool + Sync)| {
+        let all = |rays: &[Ray], said: &mut [bool]| {
+            let whole = |ray: &Ray| plain.hit(&Ray { tmax: f64::INFINITY, ..*ray });
+            rays.iter().zip(said).for_each(|(ray, said)| *said = occluded(&whole(ray), ray.tmax));
+        };
+        verify(&house, role_of(&house), &(trace, all), &options()).unwrap()
+    };
+    let is_met = |hit: &Hit, tmax: f64| match hit.answer() {
+        Answer::Escaped => false,
+        Answer::InSolid(_) => true,
+        Answer::Hit(hit) => hit.t <= tmax,
+    };
+    let right = report(&is_met);
+    assert!(right.passed(), "{:?}", right.sight);
+    let asked = right.sight.rays;
+    assert!(asked > 9_000 && (asked / 3..asked * 2 / 3).contains(&right.sight.occluded), "{:?}", right.sight);
+    let [free, barred] = [false, true].map(|said| report(&move |_, _| said));
+    assert!(!free.passed() && free.total.wrong == 0);
+    assert_eq!(free.sight.different, right.sight.occluded);
+    assert_eq!(barred.sight.different, asked - right.sight.occluded);
+    // Seldom, but by no more than a centimetre.
+    let late = report(&|hit, tmax| is_met(hit, tmax - 0.01));
+    assert!((100..asked / 3).contains(&late.sight.different), "{:?}", late.sight);
+    let case = &late.sight.cases[0];
+    assert!(case.occluded && late.sight.cases.len() == 20);
+    let blind = verify(&house, role_of(&house), &trace, &options()).unwrap();
+    assert!(blind.passed() && blind.sight == SightTally::default());
+}
+
+#[test]
 fn shifted_distances_are_noticed() {
     let plain = Plain::of(house());
     let report = check(|ray| {
