@@ -111,7 +111,7 @@ mod tests {
         let mut roles = roles(&truth, Untagged::default());
         lacking.into_iter().for_each(|element| roles[element as usize] = Role::Detail);
         let trace = |rays: &[Ray], hits: &mut [Hit]| hidden.trace_many(rays, hits, Default::default());
-        let occluded = |rays: &[Ray], occluded: &mut [bool]| hidden.occluded_many(rays, occluded);
+        let occluded = |rays: &[Ray]| crate::verify::sees(&hidden, rays);
         let mut options = VerifyOptions::default().with_rays(3000).with_grid_rays(1000);
         (options.solid_rays, options.hard_rays) = (1000, 3000);
         let report = verify(&truth, |e| roles[e.0 as usize], &(trace, occluded), &options).unwrap();

@@ -21,7 +21,7 @@ pub use report::{Case, ErrorStats, KindTally, Said, Tally, VerifyReport};
 pub use sight::{Sight, SightTally};
 
 pub use standing::{standing, tell_sheets, without};
-pub use tracer::Tracer;
+pub use tracer::{Tracer, sees};
 
 use tally::Account;
 
@@ -41,7 +41,7 @@ pub struct VerifyOptions {
     pub seed: u64,
     /// The tolerance, metres; see [`oracle::right`](crate::oracle::right).
     pub tolerance: f64,
-    /// Wrong answers, and as many edge cases, that are reported in full. Default 20.
+    /// Wrong answers, and as many edge cases and segments, that are reported in full. Default 20.
     pub cases: usize,
     /// Progress and cancellation.
     pub watch: Watch,
@@ -194,7 +194,7 @@ impl Run<'_> {
             }
         }
         let (seed, tolerance) = (self.options.seed, self.truth.tolerance());
-        account.sight = SightTally::look(self.tracer, kind, seed, tolerance, right.into_iter());
+        account.sight = SightTally::look(self.tracer, (kind, seed), tolerance, self.options.cases, &right);
         let done = self.done.fetch_add(end - start, Ordering::Relaxed) + (end - start);
         self.options.watch.report("verify", done as f64 / self.whole as f64);
         Ok(account)

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use enfilade::importers::Role;
 use enfilade::roles::roles;
-use enfilade::verify::{Case, MOST_EXCUSED, standing, tell_sheets, without};
+use enfilade::verify::{Case, MOST_EXCUSED, sees, standing, tell_sheets, without};
 use enfilade::{Hit, Ray, VerifyOptions, VerifyReport, Want, verify};
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use super::output;
 /// in f64 that shares no code with the first and is itself checked against brute force.
 ///
 /// An answer is right if it is the exact answer to some parallel ray at most the tolerance away. Ends with exit code 1
-/// on any wrong ray, or if more than 0.1 % had to be excused (edges, starts in solids).
+/// on any wrong ray, on any part of a ray that is called free or occluded otherwise than the whole ray says, or if more than 0.1 % had to be excused (edges, starts in solids).
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  enfilade verify house.enf --model house.glb\n  enfilade verify house.enf --model house.glb --rays 10000000 --seed 7 --json"
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             scene.trace_many(rays, hits, Want::LEAST);
             tell_sheets(&scene, own as u32, hits);
         };
-        let tracer = (trace, |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded));
+        let tracer = (trace, |rays: &[Ray]| sees(&scene, rays));
         let options = VerifyOptions::default()
             .with_rays(arguments.rays)
             .with_seed(arguments.seed)

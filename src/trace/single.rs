@@ -308,6 +308,7 @@ impl Scene {
     /// faces && length > 0.0 && !scene.occluded_from(Start::Hit(hit), &Ray::segment(hit.point, to_lamp, 0.0, length))
     /// # }
     /// ```
+    #[inline]
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
         if let Start::Cell(cell) = start
             && let Some(is_barred) = self.kernel.barred(&self.tables, ray, cell)
@@ -317,7 +318,7 @@ impl Scene {
         self.is_occluded_from(start, ray)
     }
 
-    /// The same, elsewhere than in a cell that is known.
+    /// The same, where that is no cell that is known, or in doubt there.
     #[inline(never)]
     fn is_occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
         let (tables, kernel) = (&self.tables, self.kernel);

@@ -371,7 +371,11 @@ impl Opened {
     /// What `open` says of its node; `None` if the ray comes to none of its children.
     #[inline(always)]
     pub(super) fn new<L: Lanes>(root: u32, (hits, near): (u32, L)) -> Option<Opened> {
-        (hits != 0).then(|| Opened { root, hits, near: near.store() })
+        // Not by `then`: a closure that has lanes may stay a function of its own.
+        if hits == 0 {
+            return None;
+        }
+        Some(Opened { root, hits, near: near.store() })
     }
 }
 

@@ -8,7 +8,8 @@ use crate::splitmix::SplitMix64;
 use crate::trace::{Answer, Hit, Ray};
 
 /// Segments, and what a tracer said of them. Each is the part of a ray up to a random place before what the ray meets, or to one behind
-/// that, as the tracer itself answered it rightly: so it is known whether anything is in its way.
+/// that, as the tracer itself answered it rightly: so it is known whether anything is in its way. Of hits nearer than four times the tolerance it is not,
+/// and they are not asked about.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct SightTally {
@@ -49,50 +50,79 @@ impl SightTally {
         self.cases.truncate(most);
     }
 
-    /// Looks along rays of a kind, from the `first` of it on, whose answers are right: `rays[i]` is told as number `first + i`.
+    /// Looks along rays of a kind whose answers are right, each with its number among those; at most so many cases are kept.
     pub(super) fn look(
         tracer: &dyn Tracer,
-        kind: RayKind,
-        seed: u64,
+        (kind, seed): (RayKind, u64),
         tolerance: f64,
-        rays: impl Iterator<Item = (u64, Ray, Answer)>,
+        most: usize,
+        rays: &[(u64, Ray, Answer)],
     ) -> SightTally {
-        let mut segments = Vec::new();
-        let mut asked = Vec::new();
-        for (index, ray, answer) in rays {
-            if let Some((tmax, is_occluded)) = end(&answer, tolerance, seed ^ index) {
-                segments.push(Ray { tmax, ..ray });
-                asked.push((index, is_occluded));
-            }
-        }
-        let mut said = vec![false; segments.len()];
-        if !tracer.occluded(&segments, &mut said) {
-            return SightTally::default();
-        }
-        let mut tally = SightTally { rays: segments.len() as u64, ..SightTally::default() };
-        for ((ray, (index, occluded)), said) in segments.iter().zip(asked).zip(said) {
+        let ends = rays.iter().map(|(index, ray, answer)| {
+            end(answer, tolerance, seed ^ index)
+                .map(|(tmax, occluded)| (*index, Ray { tmax, ..*ray }, occluded))
+        });
+        let asked: Vec<(u64, Ray, bool)> = ends.flatten().collect();
+        let segments: Vec<Ray> = asked.iter().map(|(_, ray, _)| *ray).collect();
+        let mut tally = SightTally::default();
+        let Some(said) = tracer.occluded(&segments) else { return tally };
+        for ((index, Ray { origin, direction, tmax, .. }, occluded), said) in asked.into_iter().zip(said) {
+            tally.rays += 1;
             tally.occluded += u64::from(occluded);
             if said != occluded {
                 tally.different += 1;
-                let Ray { origin, direction, tmax, .. } = *ray;
-                tally.cases.push(Sight { kind, index, origin, direction, tmax, occluded });
+                if tally.cases.len() < most {
+                    tally.cases.push(Sight { kind, index, origin, direction, tmax, occluded });
+                }
             }
         }
         tally
     }
 }
 
-/// Where to end a ray, and whether anything is in the way then; `None` where that is a matter of the tolerance.
+/// Where to end a ray, and whether anything is in the way then; `None` where that is a matter of the tolerance: a ray may start on what it
+/// meets, or so near behind a surface that it counts as on the other side of it.
 fn end(answer: &Answer, tolerance: f64, number: u64) -> Option<(f64, bool)> {
     let mut random = SplitMix64::new(number);
     // Many near the end of the way.
     let near = random.unit().powi(4);
+    let is_whole = random.below(2) == 0;
     match answer {
-        Answer::Escaped => Some((f64::INFINITY, false)),
+        Answer::Escaped if is_whole => Some((f64::INFINITY, false)),
+        // From a centimetre to a hundred metres.
+        Answer::Escaped => Some((10f64.powf(random.between(-2.0, 2.0)), false)),
         Answer::InSolid(_) => Some((2.0 * tolerance + near, true)),
-        // Which starts on what it meets.
-        Answer::Hit(Hit { t, .. }) if *t <= 2.0 * tolerance => None,
-        Answer::Hit(Hit { t, .. }) if random.below(2) == 0 => Some((t + 2.0 * tolerance + near, true)),
-        Answer::Hit(Hit { t, .. }) => Some(((1.0 - near) * (t - 2.0 * tolerance), false)),
+        Answer::Hit(Hit { t, .. }) if *t <= 4.0 * tolerance => None,
+        Answer::Hit(Hit { t, .. }) if is_whole => Some((t + 2.0 * tolerance + near, true)),
+        Answer::Hit(Hit { t, .. }) => Some((tolerance + (1.0 - near) * (t - 3.0 * tolerance), false)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_end_well_before_or_behind_what_their_rays_meet() {
+        let tolerance = 1e-3;
+        let hit = |t: f64| Answer::Hit(Hit { t, ..Hit::ESCAPED });
+        let ends = |answer: Answer| -> Vec<(f64, bool)> {
+            (0..2000).filter_map(|number| end(&answer, tolerance, number)).collect()
+        };
+        // It may start within the tolerance behind a surface, and is free from there on.
+        assert!(ends(hit(0.0)).is_empty() && ends(hit(4e-3)).is_empty());
+        for t in [5e-3, 0.1, 30.0] {
+            let ends = ends(hit(t));
+            assert!(ends.iter().all(|&(end, is_met)| if is_met {
+                end >= t + 2e-3
+            } else {
+                end >= tolerance && end <= t - 2e-3 + 1e-12
+            }));
+            assert!((800..1200).contains(&ends.iter().filter(|end| end.1).count()));
+        }
+        let escaped = ends(Answer::Escaped);
+        assert!(escaped.iter().all(|end| !end.1 && end.0 >= 0.01));
+        assert!((800..1200).contains(&escaped.iter().filter(|end| end.0.is_finite()).count()));
+        assert!(ends(Answer::InSolid(0)).iter().all(|end| end.1 && end.0 >= 2e-3));
     }
 }

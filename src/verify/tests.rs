@@ -132,9 +132,9 @@ fn segments_that_are_told_otherwise_than_their_rays_are_noticed() {
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = plain.hit(ray));
     };
     let report = |occluded: &(dyn Fn(&Hit, f64) -> bool + Sync)| {
-        let all = |rays: &[Ray], said: &mut [bool]| {
+        let all = |rays: &[Ray]| {
             let whole = |ray: &Ray| plain.hit(&Ray { tmax: f64::INFINITY, ..*ray });
-            rays.iter().zip(said).for_each(|(ray, said)| *said = occluded(&whole(ray), ray.tmax));
+            rays.iter().map(|ray| occluded(&whole(ray), ray.tmax)).collect::<Vec<bool>>()
         };
         verify(&house, role_of(&house), &(trace, all), &options()).unwrap()
     };

@@ -31,7 +31,7 @@ fn check(model: &Model, scene: &Scene, rays: u64, name: &str) {
         scene.trace_many(rays, hits, Want::LEAST);
         tell_sheets(scene, elements as u32, hits);
     };
-    let tracer = (trace, |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded));
+    let tracer = (trace, |rays: &[Ray]| enfilade::verify::sees(scene, rays));
     let options =
         VerifyOptions::default().with_rays(rays).with_grid_rays(200).with_tolerance(scene.tolerance());
     let report = verify(&truth, |e| roles[e.0 as usize], &tracer, &options).unwrap();

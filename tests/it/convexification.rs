@@ -23,7 +23,7 @@ fn both(name: &str) -> [Crossings; 2] {
         let mut verifying = VerifyOptions::default().with_rays(2000).with_grid_rays(200);
         (verifying.solid_rays, verifying.hard_rays) = (500, 500);
         let trace = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
-        let occluded = |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded);
+        let occluded = |rays: &[Ray]| enfilade::verify::sees(&scene, rays);
         let report = verify(&model, |e| roles[e.0 as usize], &(trace, occluded), &verifying).unwrap();
         assert!(report.passed(), "{name}, {how:?}: {:#?} {:?}", report.wrong, report.sight);
         let views = parse_cameras(&frozen.cameras, "scenes.toml", &scene.frame()).unwrap();

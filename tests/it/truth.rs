@@ -19,7 +19,7 @@ fn report(model: &Model, rays: u64) -> VerifyReport {
     let mut options = VerifyOptions::default().with_rays(rays).with_grid_rays(rays);
     (options.solid_rays, options.hard_rays) = (rays, rays);
     let trace = |rays: &[Ray], hits: &mut [Hit]| scene.trace_many(rays, hits, Default::default());
-    let occluded = |rays: &[Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded);
+    let occluded = |rays: &[Ray]| enfilade::verify::sees(&scene, rays);
     verify(model, |element| roles[element.0 as usize], &(trace, occluded), &options).unwrap()
 }
 
@@ -27,7 +27,7 @@ fn report(model: &Model, rays: u64) -> VerifyReport {
 fn check(model: &Model, rays: u64) {
     let report = report(model, rays);
     assert_eq!((report.total.wrong, report.grid.different), (0, 0), "{:#?}", report.wrong);
-    assert_eq!(report.sight.different, 0, "{:#?}", report.sight);
+    assert!(report.sight.different == 0 && report.sight.rays > 0, "{:#?}", report.sight);
 }
 
 /// Two faces on the same corners, back to back: a shell without volume, on which rays begin.

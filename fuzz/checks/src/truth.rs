@@ -37,7 +37,7 @@ pub fn check(input: &[u8]) {
     (options.solid_rays, options.hard_rays) = (24, 24);
     let trace =
         |rays: &[enfilade::Ray], hits: &mut [enfilade::Hit]| scene.trace_many(rays, hits, Default::default());
-    let occluded = |rays: &[enfilade::Ray], occluded: &mut [bool]| scene.occluded_many(rays, occluded);
+    let occluded = |rays: &[enfilade::Ray]| enfilade::verify::sees(&scene, rays);
     match verify(&read, |element| roles[element.0 as usize], &(trace, occluded), &options) {
         Ok(report) => {
             assert_eq!(report.grid.different, 0, "{:?}", report.grid);

@@ -16,7 +16,8 @@ use crate::trace::step::Step;
 use crate::trace::walk::{Found, Opened};
 
 impl<L: Entries> Packet<'_, L> {
-    /// Takes the rays out of their prisms, where they cross them so: ends the ways of some there, and puts the others into the pool.
+    /// Takes the rays out of their prisms, where they cross them so: ends the ways of some there, and puts the others into the pool, or
+    /// among those that are asked about again.
     #[inline(always)]
     pub(super) fn apart(&self, crossed: &Crossed<L>, group: &mut Group<'_>) {
         let (ask, starts) = (group.ask, group.starts);

@@ -54,7 +54,7 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
 }
 
 /// What up to [`BLOCK`] rays meet that is in no doubt, each starting in the air of its cell; where any will do, walls are looked for first, as
-/// `barred` has it. Those that follow each other are looked at together, unless they are `scattered`.
+/// `barred` has it, through a few dozen cells at most. Those that follow each other are looked at together, unless they are `scattered`.
 #[inline(always)]
 pub(super) fn packets<L: Entries>(
     ask: Ask,
@@ -77,13 +77,13 @@ pub(super) fn packets<L: Entries>(
     let block = Block { ask, tables, rays, scattered };
     if ask == Ask::Any {
         let mut again = Pool::NONE;
-        let (rest, starts) = block.run::<L>(pool, BLOCK * WALLS, answers, Some(&mut again));
+        let rest = block.run::<L>(pool, usize::MAX, answers, Some(&mut again));
         for (number, cell) in rest.iter() {
             let ray = block.ray(number);
-            if starts || !L::is_walled(tables, ray, cell) {
-                again.push(number, cell);
-            } else {
+            if L::is_walled(tables, ray, cell) {
                 answers.put(number, Quick::of(true, ray, cell));
+            } else {
+                again.push(number, cell);
             }
         }
         for (number, cell) in again.ray.iter().zip(&mut again.cell).take(again.len) {
@@ -92,10 +92,10 @@ pub(super) fn packets<L: Entries>(
         pool = again;
     }
     // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
-    let (rest, starts) = block.run::<L>(pool, BLOCK * tables.cells.len(), answers, None);
+    let rest = block.run::<L>(pool, BLOCK * tables.cells.len(), answers, None);
     for (number, cell) in rest.iter() {
         let ray = block.ray(number);
-        let exit = L::leave(tables, ray, cell, starts);
+        let exit = L::leave(tables, ray, cell, false);
         if let Some(quick) = L::onward(ask, tables, ray, cell, exit, &mut ()) {
             answers.put(number, quick);
         }
@@ -117,8 +117,8 @@ impl<'a> Block<'a> {
         self.rays[usize::from(number) % BLOCK]
     }
 
-    /// Takes the rays of a pool through their prisms, eight at a time, until few are under way: those, and whether they are still where they
-    /// started. With `again` they are taken to walls only, and what those do not tell of is put there.
+    /// Takes the rays of a pool through their prisms, eight at a time, until few are under way: those. With `again` they
+    /// are taken to walls only, and not far: each that those do not end is put there, where it is then.
     #[inline(always)]
     fn run<L: Entries>(
         &self,
@@ -126,9 +126,10 @@ impl<'a> Block<'a> {
         mut left: usize,
         answers: &mut Answers,
         mut again: Option<&mut Pool>,
-    ) -> (Pool, bool) {
-        let mut starts = true;
-        while left > 0 && pool.len > 0 && (pool.len > FEW as usize || starts) {
+    ) -> Pool {
+        let (mut starts, mut rounds) = (true, if again.is_some() { WALLS } else { usize::MAX });
+        while left > 0 && rounds > 0 && pool.len > 0 && (pool.len > FEW as usize || starts) {
+            rounds -= 1;
             let mut next = Pool::NONE;
             for first in (0..pool.len).step_by(LANES) {
                 let count = (pool.len - first).min(LANES);
@@ -148,7 +149,7 @@ impl<'a> Block<'a> {
             }
             (pool, starts) = (next, false);
         }
-        (pool, starts)
+        pool
     }
 }
 
@@ -243,8 +244,9 @@ impl<'a, L: Entries> Packet<'a, L> {
             self.apart(&crossed, &mut group);
             return;
         }
-        while self.under_way != 0 && *left > 0 {
-            *left -= 1;
+        let mut most = if group.again.is_some() { WALLS } else { usize::MAX };
+        while self.under_way != 0 && *left > 0 && most > 0 {
+            (*left, most) = (*left - 1, most - 1);
             let step = &tables.steps[group.cells[0] as usize];
             let [floor, ceiling] = step.height;
             let (floor, ceiling) = (L::splat(floor), L::splat(ceiling));
@@ -258,6 +260,11 @@ impl<'a, L: Entries> Packet<'a, L> {
                 return;
             }
             group.starts = false;
+        }
+        if let Some(again) = &mut group.again {
+            for lane in lanes(self.under_way) {
+                again.push(group.numbers[lane], group.cells[lane]);
+            }
         }
     }
 

@@ -48,7 +48,6 @@ fn check(name: &str, scene: &Scene, share: f64) {
         assert!(barred.iter().all(|b| *b == barred[0]), "{name}: {ray:?} {barred:?}");
         let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
         let is_met = careful.triangle != NONE;
-        // Also where what the ray meets first is in doubt, and a wall behind it is not.
         assert!(barred[0].is_none_or(|is_barred| is_barred == is_met), "{name}: {ray:?} {careful:?}");
         let Some(Quick { found, .. }) = found[0] else { continue };
         quick += 1;
