@@ -201,7 +201,7 @@ impl<'a> Prisms<'a> {
     }
 
     /// A normal of a plane, upward.
-    fn upward(&self, plane: u32) -> DVec3 {
+    pub(super) fn upward(&self, plane: u32) -> DVec3 {
         let [p, q] = self.planes[plane as usize].slope;
         DVec3::new(-p, -q, 1.0)
     }
@@ -375,7 +375,7 @@ pub(crate) fn to_lattice(p: [f64; 3], origin: [f64; 3], [cos, sin]: [f64; 2]) ->
 
 /// A normal of the side over the edge between two corners, outward.
 #[inline]
-fn outward(from: [f32; 2], to: [f32; 2]) -> DVec3 {
+pub(super) fn outward(from: [f32; 2], to: [f32; 2]) -> DVec3 {
     let [a, b] = [from, to].map(|p| p.map(f64::from));
     DVec3::new(b[1] - a[1], a[0] - b[0], 0.0)
 }

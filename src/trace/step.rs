@@ -50,11 +50,14 @@ impl Step {
     pub(crate) const PLATE: u32 = 1 << 31;
     /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge; the others are the number of their first [`Split`].
     pub(crate) const SPLIT: u32 = 1 << 30;
+    /// The bits of a link that leads to matter behind a face that is not plain; the others are the number of its source. No less than that are
+    /// all links that say not where a ray's way goes on, nor in which plane it ends.
+    pub(crate) const ROUGH: u32 = Step::PLATE | Step::SPLIT;
     /// The link of what has other parts: the sections tell.
     pub(crate) const PARTS: u32 = u32::MAX - 1;
     /// The link of what lies around the prisms.
     pub(crate) const AROUND: u32 = u32::MAX - 2;
-    /// The link of what is left to other kernels: matter that is not plain.
+    /// The link of what is left to other kernels.
     pub(crate) const OTHER: u32 = u32::MAX;
 
     /// How far a point is within each edge, times the edge's size, and those sizes, from one end to the other along each axis; of lanes
@@ -108,16 +111,16 @@ pub(crate) struct Splits {
     pub(crate) parts: Vec<Part>,
 }
 
-/// Where a face of a simple prism leads.
-fn link(prisms: &Prisms<'_>, cell: u32, source: u32, flags: u16) -> u32 {
-    match prisms.cells.get(cell as usize) {
-        Some(next)
-            if next.kind == CellRecord::SOLID && flags == PLAIN && (source | Step::PLATE) < Step::AROUND =>
-        {
-            Step::PLATE | source
+/// Where a face leads that has a cell and a source behind it.
+#[inline(always)]
+pub(super) fn link(cells: &[CellRecord], cell: u32, source: u32, flags: u16) -> u32 {
+    let Some(next) = cells.get(cell as usize) else { return Step::OTHER };
+    match next.kind {
+        CellRecord::SOLID if source < Step::SPLIT - 3 => {
+            source | if flags == PLAIN { Step::PLATE } else { Step::ROUGH }
         }
-        Some(next) if source == NONE && next.kind == CellRecord::AIR && cell < Step::SPLIT => cell,
-        Some(next) if source == NONE && next.kind == CellRecord::AROUND => Step::AROUND,
+        CellRecord::AIR if source == NONE && cell < Step::SPLIT => cell,
+        CellRecord::AROUND if source == NONE => Step::AROUND,
         _ => Step::OTHER,
     }
 }
@@ -149,7 +152,7 @@ impl Splits {
                 return Step::PARTS;
             }
             for (to, face) in part.link.iter_mut().zip(faces) {
-                *to = link(prisms, face.cell, face.source, face.flags);
+                *to = link(prisms.cells, face.cell, face.source, face.flags);
             }
             self.parts.push(part);
         }
@@ -203,7 +206,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
         [step.x[corners], step.y[corners]] = side.start;
         step.side[corners] = index as u8;
         step.links[corners] = match prisms.faces_of(side) {
-            [only] => link(prisms, only.cell, only.source, only.flags),
+            [only] => link(prisms.cells, only.cell, only.source, only.flags),
             _ => Step::PARTS,
         };
         corners += 1;
@@ -223,7 +226,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
     let (below, above) = prisms.covers_of(cell);
     for (end, plane, covers) in [(0, cell.floor, below), (1, cell.ceiling, above)] {
         step.links[LANES + end] = match covers {
-            [only] => link(prisms, only.cell, only.source, only.flags),
+            [only] => link(prisms.cells, only.cell, only.source, only.flags),
             _ => Step::PARTS,
         };
         step.height[end] = exact(prisms, plane);
@@ -274,7 +277,7 @@ mod tests {
                         }
                     }
                     let lowest = prisms.faces_of(side)[0];
-                    let leads = super::link(&prisms, lowest.cell, lowest.source, lowest.flags);
+                    let leads = super::link(prisms.cells, lowest.cell, lowest.source, lowest.flags);
                     assert_eq!(tables.parts[first + part].link[0], leads);
                 }
                 let record = tables.splits[split];

@@ -33,7 +33,7 @@ impl<L: Entries> Packet<'_, L> {
             let link = step.links[(edges[lane].to_bits() as usize).min(LANES + 1)];
             (links[lane], roots[lane]) = (link, step.root);
             split |= u32::from(is_split(link)) << lane;
-            parts |= u32::from(link >= Step::AROUND) << lane;
+            parts |= u32::from(link >= Step::ROUGH) << lane;
             simple |= u32::from(step.is_some()) << lane;
         }
         let mut ready = self.under_way & simple & crossed.known & !split & !parts;
@@ -47,7 +47,7 @@ impl<L: Entries> Packet<'_, L> {
         let mut until = ends.store();
         for lane in lanes(self.under_way & !ready) {
             let exit = L::leave(tables, self.rays[lane], cells[lane], starts);
-            if exit.link >= Step::AROUND {
+            if exit.link >= Step::ROUGH {
                 if let Some(again) = &mut group.again {
                     again.push(group.numbers[lane], cells[lane]);
                 } else if let Some(quick) =
@@ -201,7 +201,7 @@ impl<L: Entries> Packet<'_, L> {
             let part = passage.part::<L>(self.tables, links[lane] & !Step::SPLIT);
             let link = part.unwrap_or(Step::OTHER);
             links[lane] = link;
-            ready |= u32::from(link < Step::AROUND) << lane;
+            ready |= u32::from(link < Step::ROUGH) << lane;
         }
         ready
     }

@@ -5,7 +5,7 @@ use super::crossing::{Crossed, SURE};
 use crate::format::records::{CellRecord, LANES};
 use crate::trace::entries::Entries;
 use crate::trace::path::BLURRED;
-use crate::trace::quick::link;
+use crate::trace::step::link;
 
 impl<L: Entries> Packet<'_, L> {
     /// The link of the part of a split edge that all rays leave through.
@@ -85,7 +85,7 @@ impl<L: Entries> Packet<'_, L> {
                 (ax, ay) = (bx, by);
             }
             if inside == self.under_way {
-                return link(tables, cover.cell, cover.source, cover.flags);
+                return Some(link(&tables.cells, cover.cell, cover.source, cover.flags));
             }
             if inside != 0 {
                 return None;

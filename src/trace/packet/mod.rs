@@ -292,7 +292,7 @@ impl<'a, L: Entries> Packet<'a, L> {
                 None => return false,
             }
         }
-        if link >= Step::AROUND {
+        if link >= Step::ROUGH {
             return false;
         }
         if link & Step::PLATE == 0 {

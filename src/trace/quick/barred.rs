@@ -22,7 +22,7 @@ pub(in crate::trace) const CELLS: usize = 8;
 pub(in crate::trace) fn barred<L: Entries>(tables: &Views, ray: &Ray, cell: u32) -> Option<bool> {
     let way = Way::new(tables, ray)?;
     let exit = way.leave::<L>(cell, true);
-    if way.is_walled::<L>(exit, 0.0) {
+    if way.is_walled::<L>(cell, exit, 0.0) {
         return Some(true);
     }
     let quick = L::onward(Ask::Any, tables, ray, cell, exit, &mut ())?;
@@ -39,7 +39,7 @@ pub(in crate::trace) fn barred_from<L: Entries>(
 ) -> Option<bool> {
     let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
     let exit = way.leave_surface::<L>(cell)?;
-    if way.is_walled::<L>(exit, FROM_SURFACE) {
+    if way.is_walled::<L>(cell, exit, FROM_SURFACE) {
         return Some(true);
     }
     let quick = way.onward_clear::<L>(Ask::Any, cell, exit, &mut ())?;
@@ -49,24 +49,25 @@ pub(in crate::trace) fn barred_from<L: Entries>(
 /// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
 #[inline(always)]
 pub(in crate::trace) fn is_walled<L: Lanes>(tables: &Views, ray: &Ray, cell: u32) -> bool {
-    Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(way.leave::<L>(cell, false), 0.0))
+    Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(cell, way.leave::<L>(cell, false), 0.0))
 }
 
 impl Way<'_> {
-    /// Whether the ray, which leaves its cell at `exit`, comes to a plain face within its limit, and no nearer than `least`; where there is doubt
+    /// Whether the ray, which leaves its cell at `exit`, comes to matter within its limit, and no nearer than `least`; where there is doubt
     /// it says no.
     #[inline(always)]
-    fn is_walled<L: Lanes>(&self, mut exit: Exit, least: f64) -> bool {
+    fn is_walled<L: Lanes>(&self, mut cell: u32, mut exit: Exit, least: f64) -> bool {
         for _ in 0..CELLS {
             if exit.link >= Step::PLATE {
-                let source = exit.link & !Step::PLATE;
-                return self.plate(source).is_some_and(|end| end.t >= least && end.t <= self.limit);
+                let end = self.end(&exit, cell);
+                return end.is_some_and(|(end, _)| end.t >= least && end.t <= self.limit);
             }
             // What is about there is for others.
             if exit.at_most() > self.limit {
                 return false;
             }
-            exit = self.leave::<L>(exit.link, false);
+            cell = exit.link;
+            exit = self.leave::<L>(cell, false);
         }
         false
     }

@@ -8,12 +8,12 @@
 
 use super::Way;
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, LANES, SideRecord};
 use crate::trace::NONE;
 use crate::trace::lanes::Lanes;
 use crate::trace::path::BLURRED;
 use crate::trace::ray::Ray;
-use crate::trace::step::Step;
+use crate::trace::step::{Step, link};
 
 /// Where a ray leaves a prism, and where that leads.
 ///
@@ -53,6 +53,12 @@ impl Exit {
     #[inline(always)]
     pub(in crate::trace) fn exact_of(&self, tables: &Views, ray: &Ray, cell: u32) -> f64 {
         if self.by == EXACT { self.t } else { exact(tables, ray, cell, self.by) }
+    }
+
+    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`].
+    #[inline(always)]
+    pub(super) fn by(&self) -> Option<usize> {
+        (self.by != EXACT).then_some(self.by as usize)
     }
 
     /// At a place that is told.
@@ -328,7 +334,7 @@ impl Way<'_> {
                 face = other;
             }
         }
-        link(tables, face.cell, face.source, face.flags)
+        Some(link(&tables.cells, face.cell, face.source, face.flags))
     }
 
     /// The same as `leave`, of any prism of air.
@@ -405,7 +411,7 @@ impl Way<'_> {
         let covers = if is_down { first..first + below } else { first + below..first + below + above };
         let covers: &[CoverRecord] = &tables.covers[covers];
         if let [only] = covers {
-            return link(tables, only.cell, only.source, only.flags);
+            return Some(link(&tables.cells, only.cell, only.source, only.flags));
         }
         let margin = BLURRED * (1.0 + 1.0 / grows.abs());
         for cover in covers {
@@ -430,7 +436,7 @@ impl Way<'_> {
                 a = b;
             }
             if is_inside {
-                return link(tables, cover.cell, cover.source, cover.flags);
+                return Some(link(&tables.cells, cover.cell, cover.source, cover.flags));
             }
             if is_beside {
                 return None;
@@ -455,25 +461,13 @@ fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Opt
         let at = [way.from.x + t * way.along.x, way.from.y + t * way.along.y];
         way.cover(cell, by as usize == DOWN, at, way.along.z)?
     };
-    Some(Exit::at(t, link))
+    Some(Exit { t, link, by })
 }
 
 /// Where a ray passes an edge of a simple prism, or its floor or its ceiling.
 #[inline(never)]
 fn exact(tables: &Views, ray: &Ray, cell: u32, by: u32) -> f64 {
     Way::new(tables, ray).map_or(f64::NAN, |way| way.passes(&tables.steps[cell as usize], by as usize))
-}
-
-/// Where a face leads that has a cell and a source behind it.
-#[inline(always)]
-pub(in crate::trace) fn link(tables: &Views, cell: u32, source: u32, flags: u16) -> Option<u32> {
-    let kind = tables.cells[cell as usize].kind;
-    match kind {
-        CellRecord::AIR if source == NONE => Some(cell),
-        CellRecord::AROUND if source == NONE => Some(Step::AROUND),
-        CellRecord::SOLID if source != NONE && flags == PLAIN => Some(Step::PLATE | source),
-        _ => None,
-    }
 }
 
 /// From one corner to another. Not by `array::map`, which is not always inlined.

@@ -12,6 +12,7 @@
 
 mod barred;
 mod leaving;
+mod rough;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
 
@@ -30,7 +31,8 @@ use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
 use crate::format::Views;
 use crate::format::records::Leaf;
 pub(super) use barred::{CELLS, barred, barred_from, is_walled};
-pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, link};
+pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split};
+use rough::rough;
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
 pub(super) const UNIT: f64 = 1e-14;
@@ -90,7 +92,7 @@ pub(super) fn quick<L: Entries, C: Count>(
     let way = Way::new(tables, ray)?;
     let exit = way.leave::<L>(cell, true);
     // Most end in the cell in which they start. Others are looked at elsewhere, so that nothing is kept for that.
-    if exit.link & Step::PLATE == 0 || exit.link == Step::AROUND {
+    if exit.link & Step::PLATE == 0 || exit.link >= Step::ROUGH {
         return L::onward(Ask::First, tables, ray, cell, exit, count);
     }
     count.cell();
@@ -248,6 +250,16 @@ impl<'a> Way<'a> {
         (toward.abs() >= GRAZING && t >= 0.0).then_some(Found { t, triangle: plate.triangle })
     }
 
+    /// What it meets where it leaves a cell at `exit`, if that ends its way, and the source of that if the very triangle is not known.
+    #[inline(always)]
+    fn end(&self, exit: &Exit, cell: u32) -> Option<(Found, u32)> {
+        if exit.link >= Step::ROUGH {
+            return rough(self.tables, self.ray, self.surface, cell, exit).map(|found| (found, NONE));
+        }
+        let source = exit.link & !Step::PLATE;
+        self.plate(source).map(|found| (found, source))
+    }
+
     /// What the ray meets from a cell on, which it leaves at `exit`.
     #[inline(always)]
     fn onward<L: Entries>(
@@ -265,8 +277,7 @@ impl<'a> Way<'a> {
             let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
             let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
             if ends {
-                source = here.link & !Step::PLATE;
-                end = self.plate(source)?;
+                (end, source) = self.end(&here, cell)?;
             }
             let root = self.root(cell);
             let until = self.until(if ends { end.t } else { here.at_most() });
