@@ -16,7 +16,9 @@ use super::records::{
     Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
-use crate::trace::{AirGrid, Finder, NONE, Part, Plate, Prisms, Split, Splits, Step, plate_of, step_of};
+use crate::trace::{
+    AirGrid, Finder, NONE, Part, Plate, Prisms, Split, Splits, Step, Tiles, plate_of, step_of,
+};
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
 pub(crate) const MAX_DEPTH: u32 = 20;
@@ -86,7 +88,7 @@ sections! {
     /// The tables of an opened scene, in place.
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
-    derived parts: Part,
+    derived parts: Part, derived tiles: Tiles,
     derived airgrid: AirGrid, derived airstarts: u32, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
@@ -276,6 +278,7 @@ impl Views {
         let finder = Finder::new(&self.scene[0], &self.cells, &steps);
         (self.steps, self.plates) = (View::own(steps), View::own(plates));
         (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));
+        self.tiles = View::own(splits.tiles);
         self.airgrid = View::own(vec![finder.grid]);
         (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
     }

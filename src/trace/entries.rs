@@ -9,6 +9,7 @@ use super::kernel::Ask;
 use super::lanes::{Lanes, Portable};
 use super::quick::{self, Exit, Quick};
 use super::ray::Ray;
+use super::step;
 use super::walk::{Found, Opened, Surface};
 use crate::format::Views;
 
@@ -19,6 +20,9 @@ pub(super) trait Entries: Lanes {
 
     /// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
     fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool;
+
+    /// Where the part of a floor or a ceiling leads that a point of the plan is in, by its tiles.
+    fn tile(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32;
 
     /// What a ray meets from a cell on, which it leaves at `exit`, that is in no doubt.
     fn onward<C: Count>(
@@ -51,6 +55,11 @@ impl Entries for Portable {
     #[inline(never)]
     fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
         quick::is_walled::<Portable>(tables, ray, cell)
+    }
+
+    #[inline(never)]
+    fn tile(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
+        step::tile::<Portable>(&tables.tiles, first, point, margin)
     }
 
     #[inline(never)]
@@ -141,6 +150,7 @@ macro_rules! entries {
         use $crate::trace::locate;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
+        use $crate::trace::step;
         use $crate::trace::walk::{self, Found, Opened, Query, Surface, Walk};
 
         #[target_feature(enable = $features)]
@@ -176,6 +186,12 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         fn leave_here(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
             quick::leave::<$lanes>(tables, ray, cell, starts)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
+        fn tile_here(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
+            step::tile::<$lanes>(&tables.tiles, first, point, margin)
         }
 
         #[target_feature(enable = $features)]
@@ -221,6 +237,12 @@ macro_rules! entries {
             fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
                 // SAFETY: as in `leave`.
                 unsafe { is_walled_here(tables, ray, cell) }
+            }
+
+            #[inline(always)]
+            fn tile(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
+                // SAFETY: as in `leave`.
+                unsafe { tile_here(tables, first, point, margin) }
             }
 
             #[inline(always)]

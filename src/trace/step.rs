@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::NONE;
 use super::lanes::Lanes;
 use super::path::Prisms;
-use crate::format::records::{CellRecord, LANES, PLAIN, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
 
 /// What a ray's way through a simple prism of air needs: 128 bytes, two lines of a cache. It says nothing that the sections of a scene do
 /// not say.
@@ -48,7 +48,8 @@ impl Step {
     /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
     /// a link is the number of a prism of air.
     pub(crate) const PLATE: u32 = 1 << 31;
-    /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge; the others are the number of their first [`Split`].
+    /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge, or of a floor or a ceiling; the others are the number of
+    /// their first [`Split`], or [`Tiles`].
     pub(crate) const SPLIT: u32 = 1 << 30;
     /// The bits of a link that leads to matter behind a face that is not plain; the others are the number of its source. No less than that are
     /// all links that say not where a ray's way goes on, nor in which plane it ends.
@@ -104,11 +105,58 @@ impl Part {
     const FACES: usize = 3;
 }
 
-/// What edges of simple prisms are split into.
+/// Up to eight parts of the floor or the ceiling of a simple prism, as boxes in the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Tiles {
+    /// The least x and y of each, exact; of lanes without a part more than the greatest.
+    pub(crate) lo: [[f32; LANES]; 2],
+    /// The greatest.
+    pub(crate) hi: [[f32; LANES]; 2],
+    /// Where each leads; [`Step::PARTS`] if its box is more than the part.
+    pub(crate) link: [u32; LANES],
+    /// 1 if there are more in the next record.
+    pub(crate) more: u32,
+}
+
+impl Tiles {
+    const NONE: Tiles = Tiles {
+        lo: [[f32::INFINITY; LANES]; 2],
+        hi: [[f32::NEG_INFINITY; LANES]; 2],
+        link: [Step::OTHER; LANES],
+        more: 0,
+    };
+}
+
+/// Where the part of a floor or a ceiling leads that a point of the plan is in, whose tiles are from the `first` on: if it is no nearer to any
+/// other than `margin`, and its part is a box. Else [`Step::PARTS`]: the sections tell.
+#[inline(always)]
+pub(super) fn tile<L: Lanes>(tiles: &[Tiles], first: u32, [x, y]: [f32; 2], margin: f32) -> u32 {
+    let (x, y, margin) = (L::splat(x), L::splat(y), L::splat(margin));
+    for tile in tiles.get(first as usize..).unwrap_or_default() {
+        // How far within each side.
+        let [lo_x, lo_y] = [x.sub(L::load(&tile.lo[0])), y.sub(L::load(&tile.lo[1]))];
+        let [hi_x, hi_y] = [L::load(&tile.hi[0]).sub(x), L::load(&tile.hi[1]).sub(y)];
+        let within = lo_x.min(hi_x).min(lo_y.min(hi_y));
+        let near = L::bits(L::splat(0.0).sub(margin).le(within));
+        if near != 0 {
+            let lane = near.trailing_zeros() as usize % LANES;
+            let is_in = L::bits(margin.le(within)) == near && near & (near - 1) == 0;
+            return if is_in { tile.link[lane] } else { Step::PARTS };
+        }
+        if tile.more == 0 {
+            break;
+        }
+    }
+    Step::PARTS
+}
+
+/// What edges, floors and ceilings of simple prisms are split into.
 #[derive(Default)]
 pub(crate) struct Splits {
     pub(crate) splits: Vec<Split>,
     pub(crate) parts: Vec<Part>,
+    pub(crate) tiles: Vec<Tiles>,
 }
 
 /// Where a face leads that has a cell and a source behind it.
@@ -166,6 +214,46 @@ impl Splits {
             self.splits.push(split);
         }
         Step::SPLIT | number as u32
+    }
+}
+
+/// Parts of a floor with more sides are left to the sections, as each may be a part of many.
+const MOST_SIDES: usize = 64;
+
+impl Splits {
+    /// Where a floor or a ceiling leads that is split into these parts.
+    fn tile(&mut self, prisms: &Prisms<'_>, covers: &[CoverRecord]) -> u32 {
+        let (first, mut tiles) = (self.tiles.len(), vec![Tiles::NONE; covers.len().div_ceil(LANES)]);
+        if first + tiles.len() >= Step::SPLIT as usize {
+            return Step::PARTS;
+        }
+        for (place, cover) in covers.iter().enumerate() {
+            let tile = &mut tiles[place / LANES];
+            tile.more = u32::from((place / LANES + 1) * LANES < covers.len());
+            let lane = place % LANES;
+            let Some(cell) = prisms.cells.get(cover.cell as usize) else { return Step::PARTS };
+            let sides = prisms.sides_of(cell);
+            if cell.kind == CellRecord::AROUND || sides.is_empty() || sides.len() > MOST_SIDES {
+                return Step::PARTS;
+            }
+            for side in sides {
+                for axis in 0..2 {
+                    tile.lo[axis][lane] = tile.lo[axis][lane].min(side.start[axis]);
+                    tile.hi[axis][lane] = tile.hi[axis][lane].max(side.start[axis]);
+                }
+            }
+            let is_box = sides.iter().zip(sides.iter().cycle().skip(1)).all(|(side, next)| {
+                let on = |axis: usize| {
+                    let [c, d] = [side.start[axis], next.start[axis]];
+                    c == d && (c == tile.lo[axis][lane] || c == tile.hi[axis][lane])
+                };
+                on(0) || on(1)
+            });
+            tile.link[lane] =
+                if is_box { link(prisms.cells, cover.cell, cover.source, cover.flags) } else { Step::PARTS };
+        }
+        self.tiles.append(&mut tiles);
+        Step::SPLIT | first as u32
     }
 }
 
@@ -227,7 +315,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
     for (end, plane, covers) in [(0, cell.floor, below), (1, cell.ceiling, above)] {
         step.links[LANES + end] = match covers {
             [only] => link(prisms.cells, only.cell, only.source, only.flags),
-            _ => Step::PARTS,
+            covers => splits.tile(prisms, covers),
         };
         step.height[end] = exact(prisms, plane);
     }

@@ -279,14 +279,14 @@ impl<'a, L: Entries> Packet<'a, L> {
         }
         let edge = edge.to_bits() as usize;
         let mut link = step.links[edge];
-        if is_split(link) {
+        if is_split(link) && edge < LANES {
             match self.split_together(link & !Step::SPLIT, crossed) {
                 Some(found) => link = found,
                 None => return false,
             }
         } else if all & !crossed.known != 0 {
             return false;
-        } else if link == Step::PARTS && edge >= LANES {
+        } else if edge >= LANES && (link == Step::PARTS || is_split(link)) {
             match self.cover_together(group.cells[0], edge == DOWN, crossed.t) {
                 Some(found) => link = found,
                 None => return false,

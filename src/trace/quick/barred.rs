@@ -9,7 +9,6 @@ use crate::format::Views;
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
 use crate::trace::kernel::Ask;
-use crate::trace::lanes::Lanes;
 use crate::trace::ray::Ray;
 use crate::trace::step::Step;
 use crate::trace::walk::Surface;
@@ -48,7 +47,7 @@ pub(in crate::trace) fn barred_from<L: Entries>(
 
 /// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
 #[inline(always)]
-pub(in crate::trace) fn is_walled<L: Lanes>(tables: &Views, ray: &Ray, cell: u32) -> bool {
+pub(in crate::trace) fn is_walled<L: Entries>(tables: &Views, ray: &Ray, cell: u32) -> bool {
     Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(cell, way.leave::<L>(cell, false), 0.0))
 }
 
@@ -56,7 +55,7 @@ impl Way<'_> {
     /// Whether the ray, which leaves its cell at `exit`, comes to matter within its limit, and no nearer than `least`; where there is doubt
     /// it says no.
     #[inline(always)]
-    fn is_walled<L: Lanes>(&self, mut cell: u32, mut exit: Exit, least: f64) -> bool {
+    fn is_walled<L: Entries>(&self, mut cell: u32, mut exit: Exit, least: f64) -> bool {
         for _ in 0..CELLS {
             if exit.link >= Step::PLATE {
                 let end = self.end(&exit, cell);

@@ -10,6 +10,7 @@ use super::Way;
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, LANES, SideRecord};
 use crate::trace::NONE;
+use crate::trace::entries::Entries;
 use crate::trace::lanes::Lanes;
 use crate::trace::path::BLURRED;
 use crate::trace::ray::Ray;
@@ -93,6 +94,9 @@ struct Crossing {
     /// As if the edge, the floor or the ceiling had no parts.
     exit: Exit,
     passage: Passage,
+    /// Through the floor or the ceiling, there in the plan, and so far from it one aside passes it at most.
+    spot: [f32; 2],
+    margin: f32,
     /// Through an edge, which part of it is not looked at.
     is_within: bool,
     /// In no doubt where there are no parts.
@@ -143,7 +147,7 @@ impl Passage {
 impl Way<'_> {
     /// Where the ray leaves a prism of air, in which it starts, or which it came into.
     #[inline(always)]
-    pub(super) fn leave<L: Lanes>(&self, cell: u32, starts: bool) -> Exit {
+    pub(super) fn leave<L: Entries>(&self, cell: u32, starts: bool) -> Exit {
         let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
         if !step.is_some() {
             return self.otherwise(cell, EXACT, starts);
@@ -156,6 +160,12 @@ impl Way<'_> {
         if crossing.is_within && is_split(exit.link) {
             let part = crossing.passage.part::<L>(self.tables, exit.link & !Step::SPLIT);
             return Exit { link: part.unwrap_or(Step::OTHER), ..exit };
+        }
+        if crossing.is_clear && is_split(exit.link) {
+            let link = L::tile(self.tables, exit.link & !Step::SPLIT, crossing.spot, crossing.margin);
+            if link != Step::PARTS {
+                return Exit { link, ..exit };
+            }
         }
         // Neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
         let by = if crossing.is_within || crossing.is_clear {
@@ -217,7 +227,7 @@ impl Way<'_> {
             let is_clear = (-right >= least) & (left >= least);
             let off = self.rounding * (2.0 + slant);
             let exit = Exit::about(t, off, step.links[index], index);
-            return Crossing { exit, passage, is_within, is_clear };
+            return Crossing { exit, passage, spot: [0.0; 2], margin: 0.0, is_within, is_clear };
         }
         // Through the floor or the ceiling, well within their border: also of sides that it runs along and never comes to.
         let is_under = (az <= 0.0) & (height <= floor - blur);
@@ -229,7 +239,8 @@ impl Way<'_> {
         let is_well = L::bits(well.le(inward.sub(across.mul(L::splat(t))))) == 0xff;
         let is_clear = is_there & (is_under | is_over) & is_well;
         let exit = Exit::about(t, self.rounding * tilt, step.links[by], by);
-        Crossing { exit, passage, is_within, is_clear }
+        let (spot, margin) = ([fx + t * ax, fy + t * ay], margin * tilt);
+        Crossing { exit, passage, spot, margin, is_within, is_clear }
     }
 
     /// Where the ray leaves the cell, to rounding of f64.

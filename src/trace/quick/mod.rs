@@ -110,7 +110,7 @@ pub(super) fn quick<L: Entries, C: Count>(
 
 /// Where a ray leaves a prism of air, in which it starts, or which it came into.
 #[inline(always)]
-pub(super) fn leave<L: Lanes>(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
+pub(super) fn leave<L: Entries>(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit {
     Way::new(tables, ray).map_or(Exit::NONE, |way| way.leave::<L>(cell, starts))
 }
 
@@ -196,7 +196,7 @@ impl<'a> Way<'a> {
 
     /// Where it leaves the cell, if that is not beside the surface.
     #[inline(always)]
-    fn leave_surface<L: Lanes>(&self, cell: u32) -> Option<Exit> {
+    fn leave_surface<L: Entries>(&self, cell: u32) -> Option<Exit> {
         let exit = self.leave::<L>(cell, false);
         (exit.exact_of(self.tables, self.ray, cell) >= FROM_SURFACE).then_some(exit)
     }
