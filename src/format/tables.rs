@@ -17,7 +17,7 @@ use super::records::{
 };
 use super::storage::{Storage, View};
 use crate::trace::{
-    AirGrid, Finder, NONE, Part, Plate, Prisms, Split, Splits, Step, Tiles, plate_of, step_of,
+    AirGrid, Finder, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, plate_of, step_of,
 };
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
@@ -88,7 +88,7 @@ sections! {
     /// The tables of an opened scene, in place.
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
-    derived parts: Part, derived tiles: Tiles,
+    derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
     derived airgrid: AirGrid, derived airstarts: u32, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
@@ -278,7 +278,7 @@ impl Views {
         let finder = Finder::new(&self.scene[0], &self.cells, &steps);
         (self.steps, self.plates) = (View::own(steps), View::own(plates));
         (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));
-        self.tiles = View::own(splits.tiles);
+        (self.tiles, self.shapes) = (View::own(splits.tiles), View::own(splits.shapes));
         self.airgrid = View::own(vec![finder.grid]);
         (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
     }

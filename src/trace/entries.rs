@@ -59,7 +59,7 @@ impl Entries for Portable {
 
     #[inline(never)]
     fn tile(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
-        step::tile::<Portable>(&tables.tiles, first, point, margin)
+        step::tile::<Portable>(tables, first, point, margin)
     }
 
     #[inline(never)]
@@ -191,7 +191,7 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         #[inline(never)]
         fn tile_here(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
-            step::tile::<$lanes>(&tables.tiles, first, point, margin)
+            step::tile::<$lanes>(tables, first, point, margin)
         }
 
         #[target_feature(enable = $features)]

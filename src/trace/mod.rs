@@ -40,4 +40,4 @@ pub(crate) use path::{BLURRED, to_lattice};
 pub(crate) use plate::{Plate, plate_of};
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
-pub(crate) use step::{Part, Split, Splits, Step, Tiles, step_of};
+pub(crate) use step::{Part, Shape, Split, Splits, Step, Tiles, step_of};

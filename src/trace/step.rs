@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::NONE;
 use super::lanes::Lanes;
 use super::path::Prisms;
+use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, LANES, PLAIN, SideRecord};
 
 /// What a ray's way through a simple prism of air needs: 128 bytes, two lines of a cache. It says nothing that the sections of a scene do
@@ -65,10 +66,7 @@ impl Step {
     /// without an edge zeros. Rounded alike on all kernels.
     #[inline(always)]
     pub(super) fn inward<L: Lanes>(&self, [x, y]: [f64; 2]) -> (L, L) {
-        let (corner_x, corner_y) = (L::load(&self.x), L::load(&self.y));
-        let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
-        let (px, py) = (L::splat(x as f32).sub(corner_x), L::splat(y as f32).sub(corner_y));
-        (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()))
+        inward(&self.x, &self.y, [x as f32, y as f32])
     }
 
     /// Whether the cell is simple.
@@ -105,16 +103,18 @@ impl Part {
     const FACES: usize = 3;
 }
 
-/// Up to eight parts of the floor or the ceiling of a simple prism, as boxes in the plan.
+/// Up to eight parts of the floor or the ceiling of a simple prism.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Tiles {
-    /// The least x and y of each, exact; of lanes without a part more than the greatest.
+    /// The least x and y of each in the plan, exact; of lanes without a part more than the greatest.
     pub(crate) lo: [[f32; LANES]; 2],
     /// The greatest.
     pub(crate) hi: [[f32; LANES]; 2],
-    /// Where each leads; [`Step::PARTS`] if its box is more than the part.
+    /// Where each leads.
     pub(crate) link: [u32; LANES],
+    /// The number of its [`Shape`]; [`NONE`] if it is that box.
+    pub(crate) shape: [u32; LANES],
     /// 1 if there are more in the next record.
     pub(crate) more: u32,
 }
@@ -124,25 +124,57 @@ impl Tiles {
         lo: [[f32::INFINITY; LANES]; 2],
         hi: [[f32::NEG_INFINITY; LANES]; 2],
         link: [Step::OTHER; LANES],
+        shape: [NONE; LANES],
         more: 0,
     };
 }
 
-/// Where the part of a floor or a ceiling leads that a point of the plan is in, whose tiles are from the `first` on: if it is no nearer to any
-/// other than `margin`, and its part is a box. Else [`Step::PARTS`]: the sections tell.
+/// A convex part of a floor or a ceiling in the plan: its corners, counterclockwise, then the first again; NaN if there are too many.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Shape {
+    pub(crate) x: [f32; LANES],
+    pub(crate) y: [f32; LANES],
+}
+
+impl Shape {
+    /// Whether it holds a point, no nearer to its border than one aside by `margin` comes.
+    #[inline(always)]
+    fn holds<L: Lanes>(&self, [x, y]: [f32; 2], margin: L) -> bool {
+        let (inward, size) = inward::<L>(&self.x, &self.y, [x, y]);
+        // Of lanes without an edge both are 0.
+        L::bits(margin.mul(size).le(inward)) == 0xff
+    }
+}
+
+/// How far a point is within each edge from one corner to the next, times the edge's size, and those sizes, from one end to the other along each
+/// axis; of lanes without an edge zeros. Rounded alike on all kernels.
 #[inline(always)]
-pub(super) fn tile<L: Lanes>(tiles: &[Tiles], first: u32, [x, y]: [f32; 2], margin: f32) -> u32 {
-    let (x, y, margin) = (L::splat(x), L::splat(y), L::splat(margin));
-    for tile in tiles.get(first as usize..).unwrap_or_default() {
+fn inward<L: Lanes>(x: &[f32; LANES], y: &[f32; LANES], point: [f32; 2]) -> (L, L) {
+    let (corner_x, corner_y) = (L::load(x), L::load(y));
+    let (ex, ey) = (corner_x.rotate().sub(corner_x), corner_y.rotate().sub(corner_y));
+    let (px, py) = (L::splat(point[0]).sub(corner_x), L::splat(point[1]).sub(corner_y));
+    (ex.mul(py).sub(ey.mul(px)), ex.abs().add(ey.abs()))
+}
+
+/// Where the part of a floor or a ceiling leads that a point of the plan is in, whose tiles are from the `first` on, if it is no nearer to the
+/// part's border than one aside by `margin` comes. Else [`Step::PARTS`]: the sections tell.
+#[inline(always)]
+pub(super) fn tile<L: Lanes>(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
+    let (x, y, margin) = (L::splat(point[0]), L::splat(point[1]), L::splat(margin));
+    for tile in tables.tiles.get(first as usize..).unwrap_or_default() {
         // How far within each side.
         let [lo_x, lo_y] = [x.sub(L::load(&tile.lo[0])), y.sub(L::load(&tile.lo[1]))];
         let [hi_x, hi_y] = [L::load(&tile.hi[0]).sub(x), L::load(&tile.hi[1]).sub(y)];
         let within = lo_x.min(hi_x).min(lo_y.min(hi_y));
-        let near = L::bits(L::splat(0.0).sub(margin).le(within));
-        if near != 0 {
-            let lane = near.trailing_zeros() as usize % LANES;
-            let is_in = L::bits(margin.le(within)) == near && near & (near - 1) == 0;
-            return if is_in { tile.link[lane] } else { Step::PARTS };
+        let mut within = L::bits(margin.le(within));
+        while within != 0 {
+            let lane = within.trailing_zeros() as usize % LANES;
+            within &= within - 1;
+            let shape = tables.shapes.get(tile.shape[lane] as usize);
+            if shape.is_none_or(|shape| shape.holds::<L>(point, margin)) {
+                return tile.link[lane];
+            }
         }
         if tile.more == 0 {
             break;
@@ -157,6 +189,7 @@ pub(crate) struct Splits {
     pub(crate) splits: Vec<Split>,
     pub(crate) parts: Vec<Part>,
     pub(crate) tiles: Vec<Tiles>,
+    pub(crate) shapes: Vec<Shape>,
 }
 
 /// Where a face leads that has a cell and a source behind it.
@@ -242,6 +275,7 @@ impl Splits {
                     tile.hi[axis][lane] = tile.hi[axis][lane].max(side.start[axis]);
                 }
             }
+            tile.link[lane] = link(prisms.cells, cover.cell, cover.source, cover.flags);
             let is_box = sides.iter().zip(sides.iter().cycle().skip(1)).all(|(side, next)| {
                 let on = |axis: usize| {
                     let [c, d] = [side.start[axis], next.start[axis]];
@@ -249,12 +283,24 @@ impl Splits {
                 };
                 on(0) || on(1)
             });
-            tile.link[lane] =
-                if is_box { link(prisms.cells, cover.cell, cover.source, cover.flags) } else { Step::PARTS };
+            if !is_box {
+                tile.shape[lane] = self.shapes.len() as u32;
+                self.shapes.push(shape(sides));
+            }
         }
         self.tiles.append(&mut tiles);
         Step::SPLIT | first as u32
     }
+}
+
+/// A footprint.
+fn shape(sides: &[SideRecord]) -> Shape {
+    let corner = |lane: usize, axis: usize| match sides {
+        [first, ..] if sides.len() <= LANES => sides.get(lane).unwrap_or(first).start[axis],
+        _ => f32::NAN,
+    };
+    let [x, y] = [0, 1].map(|axis| std::array::from_fn(|lane| corner(lane, axis)));
+    Shape { x, y }
 }
 
 /// The height of a plane that is level, if f32 has it; else NaN. On the lattice it is.
@@ -325,7 +371,9 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
 #[cfg(all(test, feature = "compile"))]
 mod tests {
     use super::*;
-    use crate::generate::{OfficeOptions, Style, build1};
+    use crate::generate::{self, OfficeOptions, Style, build1};
+    use crate::splitmix::SplitMix64;
+    use crate::trace::lanes::Portable;
     use crate::{CompileOptions, compile};
 
     /// Of a corridor with doors on both sides, too, whose walls fall into more parts than one record has.
@@ -374,5 +422,67 @@ mod tests {
             }
         }
         assert!(most > LANES + 1, "{most} parts");
+    }
+
+    /// A point well within one part leads where that does; one near a border, or in none, is left to the sections.
+    #[test]
+    fn tiles_lead_where_the_parts_of_floors_and_ceilings_do() {
+        let office = OfficeOptions { seed: 2, ..OfficeOptions::default() };
+        let mut random = SplitMix64::new(4);
+        let (mut boxes, mut shapes, mut none) = (0, 0, 0);
+        for building in [build1(&office), generate::random(&office)] {
+            let model = building.export(&Style::exact()).to_model().unwrap();
+            let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+            let (tables, prisms) = (&scene.tables, Prisms::new(&scene.tables));
+            for (cell, step) in tables.cells.iter().zip(tables.steps.iter()) {
+                let (below, above) = prisms.covers_of(cell);
+                for (covers, link) in [(below, step.links[LANES]), (above, step.links[LANES + 1])] {
+                    if link & Step::ROUGH != Step::SPLIT {
+                        continue;
+                    }
+                    let first = link & !Step::SPLIT;
+                    for _ in 0..150 {
+                        let [lo, hi] = cell.bounds;
+                        let point = [0, 1].map(|axis| random.between(lo[axis], hi[axis]) as f32);
+                        let margin = random.between(0.0, 0.05) as f32;
+                        // How far it is within each part, along the axes.
+                        let within = |cover: &CoverRecord| {
+                            let sides = prisms.sides_of(&prisms.cells[cover.cell as usize]);
+                            let next = sides.iter().cycle().skip(1);
+                            let within = sides.iter().zip(next).map(|(side, next)| {
+                                let [a, b] = [side, next].map(|side| side.start.map(f64::from));
+                                let [ex, ey] = [b[0] - a[0], b[1] - a[1]];
+                                let [px, py] = [f64::from(point[0]) - a[0], f64::from(point[1]) - a[1]];
+                                (ex * py - ey * px) / (ex.abs() + ey.abs())
+                            });
+                            within.fold(f64::INFINITY, f64::min)
+                        };
+                        let (best, cover) = covers
+                            .iter()
+                            .map(|cover| (within(cover), cover))
+                            .max_by(|a, b| a.0.total_cmp(&b.0))
+                            .unwrap();
+                        let leads = super::link(prisms.cells, cover.cell, cover.source, cover.flags);
+                        let said = tile::<Portable>(tables, first, point, margin);
+                        if best >= f64::from(margin) + 1e-4 {
+                            assert!(said == leads || said == Step::PARTS, "{said:x} {leads:x} {cover:?}");
+                            let sides = prisms.cells[cover.cell as usize].sides as usize;
+                            assert!(said == leads || sides > LANES, "{sides} sides: {point:?} {cover:?}");
+                            let mut lanes =
+                                (0..covers.len()).map(|at| (first as usize + at / LANES, at % LANES));
+                            let is_box = lanes.any(|(at, lane)| {
+                                let tile = &tables.tiles[at];
+                                tile.link[lane] == leads && tile.shape[lane] == NONE
+                            });
+                            if is_box { boxes += 1 } else { shapes += 1 }
+                        } else if best < f64::from(margin) - 1e-4 {
+                            assert_eq!(said, Step::PARTS, "{point:?} {margin} {best} {cover:?}");
+                            none += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert!(boxes > 100 && shapes > 100 && none > 100, "{boxes} {shapes} {none}");
     }
 }
