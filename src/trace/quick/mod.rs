@@ -1,9 +1,9 @@
-//! The quick way of a ray: from prism to prism of air to the first triangle of detail or the first plain face, as long as
+//! The quick way of a ray: from prism to prism of air to the first triangle of detail or the first face of matter, as long as
 //! nothing is in doubt.
 //!
 //! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
-//! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at a *plain* face, behind
-//! which the compiler proved that all over there are triangles of one plane, or at detail. Any other ray it leaves to
+//! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at detail, at a *plain* face, behind
+//! which the compiler proved that all over there are triangles of one plane, or at another whose triangles it meets. Any other ray it leaves to
 //! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the
 //! common one. No file makes it long, as it enters no more prisms than there are; that plain faces are plain is the file's word.
 
