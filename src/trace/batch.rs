@@ -669,6 +669,7 @@ mod scene_tests {
         );
         check("random", scene(&random(&office(1)), &Style::exact()));
         check("random cad", scene(&random(&office(2)), &Style::cad(2)));
+        check("masked", scene(&build1(&office(0)), &Style::exact()).without(|element, _| element % 3 == 0));
     }
 
     #[test]

@@ -17,7 +17,7 @@
 
 use super::NONE;
 use super::kernel::Probe;
-use super::meet::{Surfaces, is_near};
+use super::meet::Surfaces;
 use super::path::{BLURRED, Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
@@ -208,19 +208,13 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         if self.path.prisms.cells[exit.cell as usize].kind != CellRecord::SOLID {
             return Ok(None);
         }
-        // Not only up to where the segment ends: what it would meet after that is met, and not missed.
-        let mut best = Found { t: f64::INFINITY, triangle: NONE };
-        if exit.source != NONE {
-            let (walk, tolerance) = (&self.walk, self.surfaces.tolerance);
-            let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
-            // From the other side comes only a ray that rounding has put into the matter.
-            let takes = |found: &Found, query: &Query<'_>| {
-                is_near(found, exit.t, tolerance, walk, query)
-                    && walk.enters(found.triangle, outward, query.direction)
-            };
-            self.surfaces.meet(exit.source, walk, &mut self.query, &mut best, self.probe, takes);
+        if exit.source == NONE {
+            return Err(UNSURE);
         }
-        if best.triangle == NONE { Err(UNSURE) } else { Ok(Some(best)) }
+        let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
+        let (surfaces, walk) = (&mut self.surfaces, &self.walk);
+        let found = surfaces.behind(exit.source, (exit.t, outward), walk, &mut self.query, self.probe);
+        found.map(Some).ok_or(UNSURE)
     }
 
     /// The nearer of `best` and the detail of the cell, if there is any.

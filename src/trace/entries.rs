@@ -18,8 +18,8 @@ pub(super) trait Entries: Lanes {
     /// Where a ray leaves a prism of air, in which it starts, or which it came into.
     fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit;
 
-    /// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
-    fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool;
+    /// Whether a ray that leaves a cell at `exit` is barred by a wall, as far as there is no doubt.
+    fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool;
 
     /// Where the part of a floor or a ceiling leads that a point of the plan is in, by its tiles.
     fn tile(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32;
@@ -53,8 +53,8 @@ impl Entries for Portable {
     }
 
     #[inline(never)]
-    fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
-        quick::is_walled::<Portable>(tables, ray, cell)
+    fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
+        quick::is_walled::<Portable>(tables, ray, cell, exit)
     }
 
     #[inline(never)]
@@ -195,8 +195,8 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn is_walled_here(tables: &Views, ray: &Ray, cell: u32) -> bool {
-            quick::is_walled::<$lanes>(tables, ray, cell)
+        fn is_walled_here(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
+            quick::is_walled::<$lanes>(tables, ray, cell, exit)
         }
 
         #[target_feature(enable = $features)]
@@ -234,9 +234,9 @@ macro_rules! entries {
             }
 
             #[inline(always)]
-            fn is_walled(tables: &Views, ray: &Ray, cell: u32) -> bool {
+            fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
                 // SAFETY: as in `leave`.
-                unsafe { is_walled_here(tables, ray, cell) }
+                unsafe { is_walled_here(tables, ray, cell, exit) }
             }
 
             #[inline(always)]

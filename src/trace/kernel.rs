@@ -207,16 +207,6 @@ impl Probe for Plain {
     }
 }
 
-/// The portable kernel, by itself.
-impl Probe for () {
-    fn nearest(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
-        walk::<Portable>(Ask::First, tables, query, None, self)
-    }
-    fn first(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {
-        self.nearest(tables, query)
-    }
-}
-
 /// The portable kernel, whose steps are those of all, counted.
 impl Probe for Cost {
     fn nearest(&mut self, tables: &Walk<'_>, query: &Query<'_>) -> Found {

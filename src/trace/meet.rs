@@ -40,6 +40,25 @@ impl<'a> Surfaces<'a> {
         &self.triangles[source.first as usize..(source.first + source.count) as usize]
     }
 
+    /// What a ray meets of `source` where it passes a face at `t`, `outward` being the face's normal of any length: not only up to where the ray
+    /// ends, so that what it would meet after that is met, and not missed.
+    pub(super) fn behind<P: Probe>(
+        &mut self,
+        source: u32,
+        (t, outward): (f64, DVec3),
+        walk: &Walk<'_>,
+        query: &mut Query<'_>,
+        probe: &mut P,
+    ) -> Option<Found> {
+        let (mut best, tolerance) = (Found { t: f64::INFINITY, triangle: NONE }, self.tolerance);
+        // From the other side comes only a ray that rounding has put into the matter.
+        let takes = |found: &Found, query: &Query<'_>| {
+            is_near(found, t, tolerance, walk, query) && walk.enters(found.triangle, outward, query.direction)
+        };
+        self.meet(source, walk, query, &mut best, probe, takes);
+        (best.triangle != NONE).then_some(best)
+    }
+
     /// Makes `best` the nearest triangle of `source` that the ray meets and `takes`, if that is nearer.
     #[inline]
     pub(super) fn meet<P: Probe>(
@@ -102,7 +121,7 @@ impl<'a> Surfaces<'a> {
 }
 
 /// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle.
-pub(super) fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query<'_>) -> bool {
+fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query<'_>) -> bool {
     (found.t - t).abs() <= NEAR || {
         let normal = normal(walk.corners(found.triangle));
         ((found.t - t) * normal.dot(query.direction)).abs() <= tolerance

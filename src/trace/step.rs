@@ -46,8 +46,8 @@ impl Step {
         flags: 0,
         corners: 0,
     };
-    /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. Without it
-    /// a link is the number of a prism of air.
+    /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. A link with neither
+    /// this bit nor [`Step::SPLIT`] is the number of a prism of air.
     pub(crate) const PLATE: u32 = 1 << 31;
     /// The bit of a link, unless it has [`Step::PLATE`], that leads to parts of an edge, or of a floor or a ceiling; the others are the number of
     /// their first [`Split`], or [`Tiles`].
@@ -59,7 +59,7 @@ impl Step {
     pub(crate) const PARTS: u32 = u32::MAX - 1;
     /// The link of what lies around the prisms.
     pub(crate) const AROUND: u32 = u32::MAX - 2;
-    /// The link of what is left to other kernels.
+    /// The link of matter without a source, of air with one, and of what is in doubt: left to the careful walk.
     pub(crate) const OTHER: u32 = u32::MAX;
 
     /// How far a point is within each edge, times the edge's size, and those sizes, from one end to the other along each axis; of lanes
@@ -107,7 +107,7 @@ impl Part {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Tiles {
-    /// The least x and y of each in the plan, exact; of lanes without a part more than the greatest.
+    /// The least x and y of each in the plan, exact; of lanes without a part, or whose part has more corners than a shape, more than the greatest.
     pub(crate) lo: [[f32; LANES]; 2],
     /// The greatest.
     pub(crate) hi: [[f32; LANES]; 2],
@@ -129,7 +129,7 @@ impl Tiles {
     };
 }
 
-/// A convex part of a floor or a ceiling in the plan: its corners, counterclockwise, then the first again; NaN if there are too many.
+/// A convex part of a floor or a ceiling in the plan: its corners, counterclockwise, then the first again.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Shape {
@@ -171,8 +171,11 @@ pub(super) fn tile<L: Lanes>(tables: &Views, first: u32, point: [f32; 2], margin
         while within != 0 {
             let lane = within.trailing_zeros() as usize % LANES;
             within &= within - 1;
-            let shape = tables.shapes.get(tile.shape[lane] as usize);
-            if shape.is_none_or(|shape| shape.holds::<L>(point, margin)) {
+            let is_in = match tables.shapes.get(tile.shape[lane] as usize) {
+                Some(shape) => shape.holds::<L>(point, margin),
+                None => true,
+            };
+            if is_in {
                 return tile.link[lane];
             }
         }
@@ -250,24 +253,22 @@ impl Splits {
     }
 }
 
-/// Parts of a floor with more sides are left to the sections, as each may be a part of many.
-const MOST_SIDES: usize = 64;
-
 impl Splits {
     /// Where a floor or a ceiling leads that is split into these parts.
     fn tile(&mut self, prisms: &Prisms<'_>, covers: &[CoverRecord]) -> u32 {
-        let (first, mut tiles) = (self.tiles.len(), vec![Tiles::NONE; covers.len().div_ceil(LANES)]);
-        if first + tiles.len() >= Step::SPLIT as usize {
+        let (first, count) = (self.tiles.len(), covers.len().div_ceil(LANES));
+        let cells = || covers.iter().map(|cover| prisms.cells.get(cover.cell as usize));
+        let is_known = cells().all(|cell| cell.is_some_and(|cell| cell.kind != CellRecord::AROUND));
+        if count == 0 || !is_known || first.max(self.shapes.len()) + covers.len() >= Step::SPLIT as usize {
             return Step::PARTS;
         }
-        for (place, cover) in covers.iter().enumerate() {
-            let tile = &mut tiles[place / LANES];
+        self.tiles.resize(first + count, Tiles::NONE);
+        for ((place, cover), cell) in covers.iter().enumerate().zip(cells().flatten()) {
+            let (tile, lane) = (&mut self.tiles[first + place / LANES], place % LANES);
             tile.more = u32::from((place / LANES + 1) * LANES < covers.len());
-            let lane = place % LANES;
-            let Some(cell) = prisms.cells.get(cover.cell as usize) else { return Step::PARTS };
             let sides = prisms.sides_of(cell);
-            if cell.kind == CellRecord::AROUND || sides.is_empty() || sides.len() > MOST_SIDES {
-                return Step::PARTS;
+            if sides.len() > LANES {
+                continue;
             }
             for side in sides {
                 for axis in 0..2 {
@@ -285,22 +286,14 @@ impl Splits {
             });
             if !is_box {
                 tile.shape[lane] = self.shapes.len() as u32;
-                self.shapes.push(shape(sides));
+                let corner =
+                    |lane: usize, axis: usize| sides[if lane < sides.len() { lane } else { 0 }].start[axis];
+                let [x, y] = [0, 1].map(|axis| std::array::from_fn(|lane| corner(lane, axis)));
+                self.shapes.push(Shape { x, y });
             }
         }
-        self.tiles.append(&mut tiles);
         Step::SPLIT | first as u32
     }
-}
-
-/// A footprint.
-fn shape(sides: &[SideRecord]) -> Shape {
-    let corner = |lane: usize, axis: usize| match sides {
-        [first, ..] if sides.len() <= LANES => sides.get(lane).unwrap_or(first).start[axis],
-        _ => f32::NAN,
-    };
-    let [x, y] = [0, 1].map(|axis| std::array::from_fn(|lane| corner(lane, axis)));
-    Shape { x, y }
 }
 
 /// The height of a plane that is level, if f32 has it; else NaN. On the lattice it is.

@@ -66,6 +66,7 @@ impl SightTally {
         let segments: Vec<Ray> = asked.iter().map(|(_, ray, _)| *ray).collect();
         let mut tally = SightTally::default();
         let Some(said) = tracer.occluded(&segments) else { return tally };
+        assert_eq!(said.len(), segments.len(), "as many answers as rays");
         for ((index, Ray { origin, direction, tmax, .. }, occluded), said) in asked.into_iter().zip(said) {
             tally.rays += 1;
             tally.occluded += u64::from(occluded);

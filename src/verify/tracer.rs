@@ -8,7 +8,7 @@ pub trait Tracer: Sync {
     /// Writes the record of `rays[i]`'s answer to `hits[i]`.
     fn trace(&self, rays: &[Ray], hits: &mut [Hit]);
 
-    /// Whether anything is in the way of each ray; `None` if it cannot tell.
+    /// Whether anything is in the way of each ray, as many answers as rays; `None` if it cannot tell.
     fn occluded(&self, rays: &[Ray]) -> Option<Vec<bool>> {
         let _ = rays;
         None

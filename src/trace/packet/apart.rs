@@ -32,8 +32,9 @@ impl<L: Entries> Packet<'_, L> {
             let step = &steps[cells[lane] as usize];
             let link = step.links[(edges[lane].to_bits() as usize).min(LANES + 1)];
             (links[lane], roots[lane]) = (link, step.root);
-            split |= u32::from(is_split(link)) << lane;
-            parts |= u32::from(link >= Step::ROUGH) << lane;
+            let is_edge = (edges[lane].to_bits() as usize) < LANES;
+            split |= u32::from(is_split(link) && is_edge) << lane;
+            parts |= u32::from(link >= Step::ROUGH || is_split(link) && !is_edge) << lane;
             simple |= u32::from(step.is_some()) << lane;
         }
         let mut ready = self.under_way & simple & crossed.known & !split & !parts;
@@ -49,7 +50,13 @@ impl<L: Entries> Packet<'_, L> {
             let exit = L::leave(tables, self.rays[lane], cells[lane], starts);
             if exit.link >= Step::ROUGH {
                 if let Some(again) = &mut group.again {
-                    again.push(group.numbers[lane], cells[lane]);
+                    // Also by a face that is not plain.
+                    let ray = self.rays[lane];
+                    if L::is_walled(tables, ray, cells[lane], exit) {
+                        group.answers.put(group.numbers[lane], Quick::of(true, ray, cells[lane]));
+                    } else {
+                        again.push(group.numbers[lane], cells[lane]);
+                    }
                 } else if let Some(quick) =
                     L::onward(ask, tables, self.rays[lane], cells[lane], exit, &mut ())
                 {

@@ -80,7 +80,7 @@ pub(super) fn packets<L: Entries>(
         let rest = block.run::<L>(pool, usize::MAX, answers, Some(&mut again));
         for (number, cell) in rest.iter() {
             let ray = block.ray(number);
-            if L::is_walled(tables, ray, cell) {
+            if L::is_walled(tables, ray, cell, L::leave(tables, ray, cell, false)) {
                 answers.put(number, Quick::of(true, ray, cell));
             } else {
                 again.push(number, cell);

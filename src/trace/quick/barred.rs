@@ -1,6 +1,6 @@
 //! Whether anything is in a ray's way: whatever it is.
 //!
-//! Walls first. A ray that comes to a plain face within its limit is barred, whatever stands before that: so it is taken through its cells
+//! Walls first. A ray that comes to a face of matter within its limit is barred, whatever stands before that: so it is taken through its cells
 //! without a look at what stands in them, and detail is asked about only where it comes to none. Most pairs of points in a building are parted by a
 //! wall, and of those nothing else is ever looked at.
 
@@ -45,10 +45,10 @@ pub(in crate::trace) fn barred_from<L: Entries>(
     Some(quick.found.triangle != NONE)
 }
 
-/// Whether a ray that came into a cell is barred by a wall, as far as there is no doubt.
+/// Whether a ray that leaves a cell at `exit` is barred by a wall, as far as there is no doubt.
 #[inline(always)]
-pub(in crate::trace) fn is_walled<L: Entries>(tables: &Views, ray: &Ray, cell: u32) -> bool {
-    Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(cell, way.leave::<L>(cell, false), 0.0))
+pub(in crate::trace) fn is_walled<L: Entries>(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
+    Way::new(tables, ray).is_some_and(|way| way.is_walled::<L>(cell, exit, 0.0))
 }
 
 impl Way<'_> {
@@ -58,7 +58,11 @@ impl Way<'_> {
     fn is_walled<L: Entries>(&self, mut cell: u32, mut exit: Exit, least: f64) -> bool {
         for _ in 0..CELLS {
             if exit.link >= Step::PLATE {
-                let end = self.end(&exit, cell);
+                // Of more than a plane only where it is within the limit for sure.
+                if exit.link >= Step::ROUGH && exit.at_most() > self.limit {
+                    return false;
+                }
+                let end = self.end(&exit, cell, &mut ());
                 return end.is_some_and(|(end, _)| end.t >= least && end.t <= self.limit);
             }
             // What is about there is for others.

@@ -56,7 +56,7 @@ impl Exit {
         if self.by == EXACT { self.t } else { exact(tables, ray, cell, self.by) }
     }
 
-    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`].
+    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; `None` if only the place is told.
     #[inline(always)]
     pub(super) fn by(&self) -> Option<usize> {
         (self.by != EXACT).then_some(self.by as usize)
@@ -103,7 +103,7 @@ struct Crossing {
     is_clear: bool,
 }
 
-/// Whether a link leads to parts of an edge.
+/// Whether a link leads to parts of an edge, a floor or a ceiling.
 #[inline(always)]
 pub(in crate::trace) fn is_split(link: u32) -> bool {
     link & (Step::PLATE | Step::SPLIT) == Step::SPLIT

@@ -252,9 +252,9 @@ impl<'a> Way<'a> {
 
     /// What it meets where it leaves a cell at `exit`, if that ends its way, and the source of that if the very triangle is not known.
     #[inline(always)]
-    fn end(&self, exit: &Exit, cell: u32) -> Option<(Found, u32)> {
+    fn end(&self, exit: &Exit, cell: u32, count: &mut impl Count) -> Option<(Found, u32)> {
         if exit.link >= Step::ROUGH {
-            return rough(self.tables, self.ray, self.surface, cell, exit).map(|found| (found, NONE));
+            return rough(self.tables, self.ray, self.surface, cell, exit, count).map(|found| (found, NONE));
         }
         let source = exit.link & !Step::PLATE;
         self.plate(source).map(|found| (found, source))
@@ -277,7 +277,7 @@ impl<'a> Way<'a> {
             let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
             let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
             if ends {
-                (end, source) = self.end(&here, cell)?;
+                (end, source) = self.end(&here, cell, count)?;
             }
             let root = self.root(cell);
             let until = self.until(if ends { end.t } else { here.at_most() });
