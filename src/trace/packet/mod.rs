@@ -77,7 +77,7 @@ pub(super) fn packets<L: Entries>(
     let block = Block { ask, tables, rays, scattered };
     if ask == Ask::Any {
         let mut again = Pool::NONE;
-        let rest = block.run::<L>(pool, usize::MAX, answers, Some(&mut again));
+        let rest = block.run::<L>(pool, answers, Some(&mut again));
         for (number, cell) in rest.iter() {
             let ray = block.ray(number);
             if L::is_walled(tables, ray, cell, L::leave(tables, ray, cell, false)) {
@@ -91,8 +91,7 @@ pub(super) fn packets<L: Entries>(
         }
         pool = again;
     }
-    // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
-    let rest = block.run::<L>(pool, BLOCK * tables.cells.len(), answers, None);
+    let rest = block.run::<L>(pool, answers, None);
     for (number, cell) in rest.iter() {
         let ray = block.ray(number);
         let exit = L::leave(tables, ray, cell, false);
@@ -120,13 +119,9 @@ impl<'a> Block<'a> {
     /// Takes the rays of a pool through their prisms, eight at a time, until few are under way: those. With `again` they
     /// are taken to walls only, and not far: each that those do not end is put there, where it is then.
     #[inline(always)]
-    fn run<L: Entries>(
-        &self,
-        mut pool: Pool,
-        mut left: usize,
-        answers: &mut Answers,
-        mut again: Option<&mut Pool>,
-    ) -> Pool {
+    fn run<L: Entries>(&self, mut pool: Pool, answers: &mut Answers, mut again: Option<&mut Pool>) -> Pool {
+        // Each ray passes each cell once. What is no partition may lead them further, but they are not followed.
+        let mut left = BLOCK * self.tables.cells.len();
         let (mut starts, mut rounds) = (true, if again.is_some() { WALLS } else { usize::MAX });
         while left > 0 && rounds > 0 && pool.len > 0 && (pool.len > FEW as usize || starts) {
             rounds -= 1;
