@@ -17,7 +17,7 @@ use super::records::{
 };
 use super::storage::{Storage, View};
 use crate::trace::{
-    AirGrid, Finder, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, plate_of, step_of,
+    AirGrid, Finder, Guess, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, plate_of, step_of,
 };
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
@@ -89,7 +89,7 @@ sections! {
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
     derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
-    derived airgrid: AirGrid, derived airstarts: u32, derived aircells: u32;
+    derived airgrid: AirGrid, derived airguess: Guess, derived airstarts: u32, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -280,6 +280,7 @@ impl Views {
         (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));
         (self.tiles, self.shapes) = (View::own(splits.tiles), View::own(splits.shapes));
         self.airgrid = View::own(vec![finder.grid]);
+        self.airguess = View::own(finder.guesses);
         (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
     }
 }

@@ -5,7 +5,7 @@ use super::locate::Place;
 use super::packet::{Answers, BLOCK};
 use super::quick::Quick;
 use super::ray::{Brief, Hit, NONE, Ray};
-use super::single::{Start, Want};
+use super::single::{Start, Want, known};
 use crate::scene::Scene;
 
 /// Rays that one task takes at a time: of those that come in the order of their starts, and of others.
@@ -240,20 +240,19 @@ impl Scene {
         );
     }
 
-    /// Where each point (internal frame, metres) lies: what [`Scene::locate`] answers. Faster where points near each other follow each
-    /// other.
+    /// Where each point (internal frame, metres) lies: what [`Scene::locate`] answers. Points may come in any order.
     ///
     /// # Panics
     /// If the slices differ in length.
     pub fn locate_many(&self, points: &[[f64; 3]], places: &mut [Place]) {
         assert_eq!(points.len(), places.len(), "as many places as points");
         let block = |(points, places): (&[[f64; 3]], &mut [Place])| {
-            // Points of a run: looked for where the last two were.
-            let (mut last, mut before) = (NONE, NONE);
-            for (&point, place) in points.iter().zip(places) {
-                *place = self.locate_near(point, if last == before { last } else { NONE });
-                before = last;
-                last = if let Place::Air { cell, .. } = *place { cell } else { NONE };
+            for (points, places) in points.chunks(BLOCK).zip(places.chunks_mut(BLOCK)) {
+                let mut cells = [NONE; BLOCK];
+                self.free_cells(points.iter().copied(), &mut cells);
+                for ((&point, cell), place) in points.iter().zip(cells).zip(places) {
+                    *place = self.place_of(point, cell);
+                }
             }
         };
         #[cfg(feature = "rayon")]
@@ -322,6 +321,16 @@ impl Scene {
             None => aside(|| alone(starts.of(index), ray)),
         };
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
+            Plan::One if matches!(starts, Starts::Anywhere) => {
+                for (rays, answers) in rays.chunks(BLOCK).zip(answers.chunks_mut(BLOCK)) {
+                    let mut cells = [NONE; BLOCK];
+                    self.free_cells(rays.iter().map(|ray| ray.origin), &mut cells);
+                    for ((ray, cell), to) in rays.iter().zip(cells).zip(answers) {
+                        let cell = (cell != NONE).then_some(cell);
+                        *to = alone(known(Start::Anywhere, ray, cell), ray);
+                    }
+                }
+            }
             Plan::One => {
                 for (index, (ray, to)) in rays.iter().zip(answers).enumerate() {
                     *to = alone(starts.of(index), ray);
@@ -355,6 +364,16 @@ impl Scene {
                 });
             }
         });
+    }
+
+    /// The prisms of air that hold points, at most [`BLOCK`] of them, where that is in no doubt; else [`NONE`].
+    #[inline]
+    fn free_cells(&self, points: impl ExactSizeIterator<Item = [f64; 3]>, cells: &mut [u32; BLOCK]) {
+        let (mut padded, count) = ([[0.0; 4]; BLOCK], points.len());
+        for (to, [x, y, z]) in padded.iter_mut().zip(points) {
+            *to = [x, y, z, 0.0];
+        }
+        self.kernel.free_many(&self.tables, &padded[..count], &mut cells[..count]);
     }
 
     /// The rays in the order of the places at which they start.
@@ -394,8 +413,15 @@ impl Scene {
         for (group, rays) in rays.chunks(BLOCK).enumerate() {
             let (first, count) = (group * BLOCK, rays.len());
             cells(first, &mut told[..count]);
+            let is_found = plan != Plan::Together && told[..count].iter().all(|&cell| cell == NONE);
+            if is_found {
+                self.free_cells(rays.iter().map(|ray| ray.origin), &mut told);
+            }
             for ((ray, to), cell) in rays.iter().zip(&mut block).zip(&mut told) {
                 *to = ray;
+                if is_found {
+                    continue;
+                }
                 if *cell != known {
                     known = if self.tables.is_air(*cell) { *cell } else { NONE };
                 }

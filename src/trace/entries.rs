@@ -1,6 +1,6 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
+//! What `walk`, `free`, `free_many`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
 //! there; the rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What
 //! is seldom needed, or long, these call through [`Entries`], so that it does not stand within each of them.
 
@@ -91,8 +91,8 @@ impl Entries for Portable {
 /// The same ways on any machine.
 pub(super) mod portable {
     use crate::format::Views;
+    use crate::trace::free;
     use crate::trace::lanes::Portable;
-    use crate::trace::locate;
     use crate::trace::quick::{self, Quick};
     use crate::trace::ray::Ray;
     use crate::trace::walk::Surface;
@@ -100,7 +100,13 @@ pub(super) mod portable {
     /// The prism of air that holds a point, where that is in no doubt.
     #[inline(never)]
     pub(in crate::trace) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-        locate::free::<Portable>(tables, point, hint)
+        free::free::<Portable>(tables, point, hint)
+    }
+
+    /// The same of many.
+    #[inline(never)]
+    pub(in crate::trace) fn free_many(tables: &Views, points: &[[f64; 4]], cells: &mut [u32]) {
+        free::free_many::<Portable>(tables, points, cells);
     }
 
     /// What a ray from the air meets that is in no doubt.
@@ -138,7 +144,7 @@ pub(super) mod portable {
     }
 }
 
-/// The functions `run`, `free`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
+/// The functions `run`, `free`, `free_many`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
 /// [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
@@ -146,8 +152,8 @@ macro_rules! entries {
         use $crate::format::Views;
         use $crate::trace::cost::Count;
         use $crate::trace::entries::Entries;
+        use $crate::trace::free;
         use $crate::trace::kernel::Ask;
-        use $crate::trace::locate;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
         use $crate::trace::step;
@@ -160,7 +166,12 @@ macro_rules! entries {
 
         #[target_feature(enable = $features)]
         fn free_here(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-            locate::free::<$lanes>(tables, point, hint)
+            free::free::<$lanes>(tables, point, hint)
+        }
+
+        #[target_feature(enable = $features)]
+        fn free_many_here(tables: &Views, points: &[[f64; 4]], cells: &mut [u32]) {
+            free::free_many::<$lanes>(tables, points, cells);
         }
 
         #[target_feature(enable = $features)]
@@ -293,6 +304,17 @@ macro_rules! entries {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { free_here(tables, point, hint) }
+        }
+
+        /// The same of many.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn free_many(tables: &Views, points: &[[f64; 4]], cells: &mut [u32]) {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { free_many_here(tables, points, cells) }
         }
 
         /// What a ray from the air meets that is in no doubt.

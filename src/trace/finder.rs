@@ -6,9 +6,10 @@
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 
-use crate::format::records::{CellRecord, SceneRecord};
-
+use super::guess::{Guess, guess};
+use super::lanes::Wide;
 use super::step::Step;
+use crate::format::records::{CellRecord, LANES, SceneRecord};
 
 /// Cubes a prism, on the average, unless those are more than a processor's own memory holds; then fewer, but not fewer than these.
 const CUBES_PER_CELL: f64 = 64.0;
@@ -24,8 +25,11 @@ const MOST_LOOKS: usize = 64;
 const MOST_REACHES: usize = 8;
 const ALWAYS: usize = 16;
 
+/// Added to a number from 0 to 2^32 this leaves it, rounded, in the low bits.
+const ROUND: f64 = (1u64 << 52) as f64;
+
 /// Prisms are listed where they come as near to a cube as this share of its size, for what rounding does.
-const MARGIN: f64 = 1e-6;
+pub(super) const MARGIN: f64 = 1e-6;
 
 /// Cubes over the zone of the prisms, along the lattice's axes, from its origin, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -34,7 +38,7 @@ pub(crate) struct AirGrid {
     lo: [f64; 3],
     hi: [f64; 3],
     /// Cubes in a metre.
-    per: [f64; 3],
+    pub(super) per: [f64; 3],
     /// How many; 0 of a grid without cubes.
     dims: [u32; 3],
     /// More than rounding to f32 moves a point of the zone against a line, metres: sixteen roundings.
@@ -42,6 +46,14 @@ pub(crate) struct AirGrid {
 }
 
 impl AirGrid {
+    /// A cube: its least corner, and its greatest.
+    pub(super) fn bounds(&self, cube: usize) -> [[f64; 3]; 2] {
+        let [dx, dy, _] = self.dims.map(|dims| dims as usize);
+        let place = [cube % dx, cube / dx % dy, cube / (dx * dy)];
+        let corner = |by: usize| [0, 1, 2].map(|i| self.lo[i] + (place[i] + by) as f64 / self.per[i]);
+        [corner(0), corner(1)]
+    }
+
     /// Whether a point is in the zone. Written so that NaN is nowhere.
     #[inline(always)]
     pub(super) fn holds(&self, at: [f64; 3]) -> bool {
@@ -55,8 +67,6 @@ impl AirGrid {
     /// The cube that holds a point of the zone, or one that it is on the border of; `None` without a grid.
     #[inline(always)]
     pub(super) fn cube(&self, at: [f64; 3]) -> Option<usize> {
-        /// Added to a number from 0 to 2^32 this leaves it, rounded, in the low bits.
-        const ROUND: f64 = (1u64 << 52) as f64;
         let mut index = 0;
         for axis in (0..3).rev() {
             let cube =
@@ -64,6 +74,27 @@ impl AirGrid {
             index = index * self.dims[axis] as usize + cube.min(self.dims[axis].wrapping_sub(1)) as usize;
         }
         (self.dims[0] != 0).then_some(index)
+    }
+
+    /// The cubes of points, as [`AirGrid::cube`] tells them, and which of the points (lane i is bit i) are in the zone.
+    #[inline(always)]
+    pub(super) fn cubes<W: Wide>(&self, at: [W; 3]) -> ([u32; LANES], u32) {
+        let (mut index, mut there) = (W::splat(0.0), (1u32 << LANES) - 1);
+        for axis in (0..3).rev() {
+            let (lo, hi, per) = (W::splat(self.lo[axis]), W::splat(self.hi[axis]), W::splat(self.per[axis]));
+            there &= lo.le(at[axis]) & at[axis].le(hi);
+            let along = at[axis].sub(lo).mul(per).sub(W::splat(0.5)).max(W::splat(0.0));
+            // Whole numbers, and so are their products: exact.
+            let cube = along.add(W::splat(ROUND)).sub(W::splat(ROUND));
+            let dims = f64::from(self.dims[axis]);
+            index = index.mul(W::splat(dims)).add(cube.min(W::splat(dims - 1.0)));
+        }
+        let bits = index.add(W::splat(ROUND)).store();
+        let mut index = [0; LANES];
+        for (to, bits) in index.iter_mut().zip(bits) {
+            *to = bits.to_bits() as u32;
+        }
+        (index, there)
     }
 }
 
@@ -73,6 +104,8 @@ pub(crate) struct Finder {
     /// For each cube (x fastest) the first of its prisms, and the end of the last.
     pub(crate) starts: Vec<u32>,
     pub(crate) cells: Vec<u32>,
+    /// For each cube which of them it is for most points.
+    pub(crate) guesses: Vec<Guess>,
 }
 
 /// A prism that reaches into a cube.
@@ -96,7 +129,7 @@ impl Finder {
         let reach = lo.iter().chain(&hi).fold(0.0f64, |reach, c| reach.max(c.abs()));
         let rounding = (reach * (-20f64).exp2()) as f32;
         let mut grid = AirGrid { lo, hi, rounding, ..AirGrid::zeroed() };
-        let none = Finder { grid, starts: vec![0], cells: Vec::new() };
+        let none = Finder { grid, starts: vec![0], cells: Vec::new(), guesses: Vec::new() };
         let Some(dims) = dims.filter(|_| !air.is_empty()) else { return none };
         grid.dims = dims;
         grid.per = [0, 1, 2].map(|axis| f64::from(grid.dims[axis]) / size[axis]);
@@ -122,7 +155,10 @@ impl Finder {
         }
         let by_size = |a: &Reach, b: &Reach| b.common.total_cmp(&a.common);
         reaches.sort_unstable_by(|a, b| a.cube.cmp(&b.cube).then(by_size(a, b)).then(a.cell.cmp(&b.cell)));
-        Finder { grid, starts, cells: reaches.iter().map(|reach| reach.cell).collect() }
+        let found: Vec<u32> = reaches.iter().map(|reach| reach.cell).collect();
+        let cubes = starts.windows(2).map(|ends| &found[ends[0] as usize..ends[1] as usize]);
+        let guesses = (0..).zip(cubes).map(|(cube, found)| guess(&grid, cube, found, cells, steps)).collect();
+        Finder { grid, starts, cells: found, guesses }
     }
 }
 

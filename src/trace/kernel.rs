@@ -93,6 +93,18 @@ impl Kernel {
         }
     }
 
+    /// The same of many points, of which the first three numbers count; [`NONE`](super::NONE) for none.
+    #[inline]
+    pub(super) fn free_many(self, tables: &Views, points: &[[f64; 4]], cells: &mut [u32]) {
+        match self.0 {
+            Set::Portable => portable::free_many(tables, points, cells),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => avx2::free_many(tables, points, cells),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => avx512::free_many(tables, points, cells),
+        }
+    }
+
     /// What a ray from the air of a cell meets first that is in no doubt.
     #[inline(always)]
     pub(super) fn quick(self, tables: &Views, ray: &Ray, cell: u32) -> Option<Quick> {

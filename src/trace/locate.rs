@@ -9,10 +9,9 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
-use super::lanes::Lanes;
-use super::path::{BLURRED, Prisms, to_lattice};
-use super::step::Step;
-use crate::format::records::{CellRecord, LANES, VolumeRecord};
+use super::free::local;
+use super::path::Prisms;
+use crate::format::records::{CellRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -46,13 +45,37 @@ impl Scene {
     /// The paper casts a short ray along the movement (Maria, Horna and Aveneau 2014, section 4.1); to ask the cell, and the grid over all
     /// cells where the point left it, is as quick, and does not care what was between.
     pub fn locate_near(&self, point: [f64; 3], hint: u32) -> Place {
-        let [lo, hi] = self.hull();
-        if !(0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis]) {
+        if !self.is_in_hull(point) {
             return Place::Outside;
         }
-        if let Some(cell) = self.free_cell_near(point, hint) {
-            return self.place_in(cell);
+        match self.free_cell_near(point, hint) {
+            Some(cell) => self.place_in(cell),
+            None => self.place_in_doubt(point),
         }
+    }
+
+    /// Where a point lies that is in the air of `cell`, if that is one.
+    #[inline]
+    pub(super) fn place_of(&self, point: [f64; 3], cell: u32) -> Place {
+        if !self.is_in_hull(point) {
+            Place::Outside
+        } else if cell == NONE {
+            self.place_in_doubt(point)
+        } else {
+            self.place_in(cell)
+        }
+    }
+
+    #[inline(always)]
+    fn is_in_hull(&self, point: [f64; 3]) -> bool {
+        let [lo, hi] = self.hull();
+        (0..3).all(|axis| point[axis] >= lo[axis] && point[axis] <= hi[axis])
+    }
+
+    /// Where a point of the hull lies that is in the air of no prism for sure.
+    #[cold]
+    #[inline(never)]
+    fn place_in_doubt(&self, point: [f64; 3]) -> Place {
         if let Some(volume) = smallest(self, point, Role::Solid) {
             return Place::InSolid(volume.element);
         }
@@ -116,98 +139,11 @@ impl Scene {
 }
 
 /// As [`Scene::may_be_in_solid`].
-fn may_be_in_solid(tables: &Views, point: [f64; 3], margin: f64) -> bool {
+pub(super) fn may_be_in_solid(tables: &Views, point: [f64; 3], margin: f64) -> bool {
     located(tables, point).iter().any(|item| {
         let volume = &tables.volumes[(item & !WHOLE_BIT) as usize];
         volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
     })
-}
-
-/// A point of the internal frame along the lattice's axes from its origin.
-#[inline(always)]
-fn local(tables: &Views, point: [f64; 3]) -> [f64; 3] {
-    let scene = &tables.scene[0];
-    to_lattice(point, scene.lattice_origin, scene.lattice_turn)
-}
-
-/// The prism of air that holds a point, farther from its border than cells differ from the model, if no closed solid may hold the
-/// point too. It is perhaps `hint`; any number is a hint.
-#[inline(always)]
-pub(super) fn free<L: Lanes>(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
-    let at = local(tables, point);
-    let grid = &tables.airgrid[0];
-    // What rounding may do is known in the zone.
-    if !grid.holds(at) {
-        return None;
-    }
-    let rounding = grid.rounding;
-    let mut found = hint;
-    if hint as usize >= tables.steps.len() || !holds::<L>(tables, hint, at, rounding) {
-        found = NONE;
-        let cube = grid.cube(at)?;
-        let (start, end) = (*tables.airstarts.get(cube)?, *tables.airstarts.get(cube + 1)?);
-        for &cell in &tables.aircells[start as usize..end as usize] {
-            if holds::<L>(tables, cell, at, rounding) {
-                found = cell;
-                break;
-            }
-        }
-    }
-    // None: no such cell.
-    let step = tables.steps.get(found as usize)?;
-    let flags = if step.is_some() { step.flags } else { tables.cells[found as usize].flags };
-    let margin = tables.scene[0].tolerance;
-    (flags == CellRecord::FREE || !may_be_in_solid(tables, point, margin)).then_some(found)
-}
-
-/// Whether a cell is a prism of air that holds a point (from the lattice's origin), farther from its border than cells differ from the
-/// model.
-#[inline(always)]
-fn holds<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32) -> bool {
-    let step = &tables.steps[cell as usize];
-    let [floor, ceiling] = [f64::from(step.height[0]), f64::from(step.height[1])];
-    if !step.is_some() {
-        let record = &tables.cells[cell as usize];
-        return record.kind == CellRecord::AIR
-            && Prisms::new(tables).nearly_holds(record, DVec3::new(x, y, z), -BLURRED);
-    }
-    // Not `||`: this and what follows are decided on at once. NaN is not above or below.
-    let is_off = (z < floor + BLURRED) | (z > ceiling - BLURRED);
-    let is_sloped = floor.is_nan() || ceiling.is_nan();
-    let (inward, size) = step.inward::<L>([x, y]);
-    let rounding = f64::from(rounding);
-    if is_off | (beyond(inward, size, BLURRED - rounding) != 0xff) {
-        return false;
-    }
-    // Only where f32 cannot tell.
-    let is_in_doubt = beyond(inward, size, BLURRED + rounding) != 0xff;
-    if is_in_doubt && !is_well_within(step, [x, y]) {
-        return false;
-    }
-    !is_sloped
-        || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], DVec3::new(x, y, z), -BLURRED)
-}
-
-/// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other
-/// along each axis. No closure, which may not be compiled for the kernel's instructions.
-#[inline(always)]
-pub(super) fn beyond<L: Lanes>(inward: L, size: L, margin: f64) -> u32 {
-    L::bits(size.mul(L::splat(margin as f32)).le(inward))
-}
-
-/// Whether a point is in the footprint of a step, farther from its border than cells differ from the model.
-#[cold]
-fn is_well_within(step: &Step, [x, y]: [f64; 2]) -> bool {
-    let mut a = [f64::from(step.x[LANES - 1]), f64::from(step.y[LANES - 1])];
-    for lane in 0..LANES {
-        let b = [f64::from(step.x[lane]), f64::from(step.y[lane])];
-        let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-        if ex * (y - a[1]) - ey * (x - a[0]) < BLURRED * (ex.abs() + ey.abs()) {
-            return false;
-        }
-        a = b;
-    }
-    true
 }
 
 fn smallest(scene: &Scene, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {
@@ -342,52 +278,6 @@ mod tests {
         for (x, y) in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0), (0.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
             let below = count([x, y, -1.0]);
             assert!(below.winding == 0 && below.count % 2 == 0, "{x} {y}");
-        }
-    }
-}
-
-#[cfg(all(test, feature = "compile"))]
-mod scene_tests {
-    use super::*;
-    use crate::generate::{HouseOptions, OfficeOptions, Style, build2, house, random};
-    use crate::splitmix::SplitMix64;
-    use crate::{CompileOptions, Kernel, compile};
-
-    /// Cells found quickly are those that hold the point, and no solid does; where solids lie in each other, too, and on all kernels.
-    #[test]
-    fn what_is_found_quickly_holds_the_point_and_no_solid_does() {
-        let office = OfficeOptions::default();
-        let scenes = [
-            (house(&HouseOptions::default()), Style::exact()),
-            (build2(&office), Style::exact()),
-            (random(&office), Style::cad(3)),
-        ];
-        for (building, style) in scenes {
-            let model = building.export(&style).to_model().unwrap();
-            let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
-            let tables = &scene.tables;
-            let prisms = Prisms::new(tables);
-            let mut numbers = SplitMix64::new(4);
-            let [lo, hi] = scene.hull();
-            let (mut quick, mut in_solids) = (0, 0);
-            for _ in 0..40_000 {
-                let point = [0, 1, 2].map(|axis| numbers.between(lo[axis], hi[axis]));
-                let found = scene.free_cell(point);
-                let solid = smallest(&scene, point, Role::Solid);
-                for kernel in Kernel::available() {
-                    assert_eq!(kernel.free(tables, point, NONE), found, "{point:?}");
-                    assert_eq!(kernel.free(tables, point, numbers.below(99) as u32), found, "{point:?}");
-                }
-                in_solids += u32::from(solid.is_some());
-                let Some(cell) = found else { continue };
-                assert!(solid.is_none(), "{point:?}");
-                let record = &tables.cells[cell as usize];
-                assert_eq!(record.kind, CellRecord::AIR);
-                assert!(prisms.nearly_holds(record, prisms.local(point.into()), -BLURRED), "{point:?}");
-                assert_eq!(scene.locate(point), scene.place_in(cell));
-                quick += 1;
-            }
-            assert!(quick > 10_000 && in_solids > 100, "{quick} {in_solids}");
         }
     }
 }

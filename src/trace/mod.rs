@@ -11,6 +11,8 @@ mod columns;
 mod cost;
 mod entries;
 mod finder;
+mod free;
+mod guess;
 mod herd;
 mod kernel;
 mod lanes;
@@ -30,6 +32,7 @@ pub use batch::Starts;
 pub(crate) use columns::Columns;
 pub use cost::Cost;
 pub(crate) use finder::{AirGrid, Finder};
+pub(crate) use guess::Guess;
 pub use kernel::Kernel;
 pub use locate::Place;
 #[cfg(feature = "compile")]

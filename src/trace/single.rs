@@ -408,7 +408,7 @@ impl Scene {
 
 /// Where a ray starts, once its place is known: farther from all solids than cells tell, if it starts there.
 #[inline]
-fn known<'a>(start: Start<'a>, ray: &Ray, cell: Option<u32>) -> Start<'a> {
+pub(super) fn known<'a>(start: Start<'a>, ray: &Ray, cell: Option<u32>) -> Start<'a> {
     match (start, cell) {
         (Start::Anywhere, Some(cell)) if ray.tmin <= 0.0 => Start::Cell(cell),
         _ => start,
