@@ -18,6 +18,12 @@ pub(super) trait Entries: Lanes {
     /// Where a ray leaves a prism of air, in which it starts, or which it came into.
     fn leave(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Exit;
 
+    /// The same of a simple prism whose floor or ceiling is sloped.
+    fn sloped(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit>;
+
+    /// The same of a prism that is not simple and level, or through something of several parts, `by`.
+    fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit>;
+
     /// Whether a ray that leaves a cell at `exit` is barred by a wall, as far as there is no doubt.
     fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool;
 
@@ -55,6 +61,16 @@ impl Entries for Portable {
     #[inline(never)]
     fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
         quick::is_walled::<Portable>(tables, ray, cell, exit)
+    }
+
+    #[inline(never)]
+    fn sloped(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+        quick::sloped::<Portable>(tables, ray, cell, starts)
+    }
+
+    #[inline(never)]
+    fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
+        quick::otherwise::<Portable>(tables, ray, cell, by, starts)
     }
 
     #[inline(never)]
@@ -201,6 +217,18 @@ macro_rules! entries {
 
         #[target_feature(enable = $features)]
         #[inline(never)]
+        fn sloped_here(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+            quick::sloped::<$lanes>(tables, ray, cell, starts)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
+        fn otherwise_here(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
+            quick::otherwise::<$lanes>(tables, ray, cell, by, starts)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
         fn tile_here(tables: &Views, first: u32, point: [f32; 2], margin: f32) -> u32 {
             step::tile::<$lanes>(tables, first, point, margin)
         }
@@ -248,6 +276,18 @@ macro_rules! entries {
             fn is_walled(tables: &Views, ray: &Ray, cell: u32, exit: Exit) -> bool {
                 // SAFETY: as in `leave`.
                 unsafe { is_walled_here(tables, ray, cell, exit) }
+            }
+
+            #[inline(always)]
+            fn sloped(tables: &Views, ray: &Ray, cell: u32, starts: bool) -> Option<Exit> {
+                // SAFETY: as in `leave`.
+                unsafe { sloped_here(tables, ray, cell, starts) }
+            }
+
+            #[inline(always)]
+            fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
+                // SAFETY: as in `leave`.
+                unsafe { otherwise_here(tables, ray, cell, by, starts) }
             }
 
             #[inline(always)]

@@ -144,8 +144,7 @@ fn holds<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32
     {
         return false;
     }
-    let is_sloped = floor.is_nan() || ceiling.is_nan();
-    !is_sloped
+    !step.is_sloped()
         || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], DVec3::new(x, y, z), -BLURRED)
 }
 

@@ -31,10 +31,16 @@ pub(crate) struct Step {
     /// `CellRecord::flags`.
     pub(crate) flags: u16,
     /// How many corners turn.
-    pub(crate) corners: u16,
+    pub(crate) corners: u8,
+    /// 0 of cells that are not simple, else [`Step::LEVEL`] or [`Step::SLOPED`].
+    kind: u8,
 }
 
 impl Step {
+    /// The kind of simple cells whose floor and ceiling are level.
+    const LEVEL: u8 = 1;
+    /// The kind of simple cells one of whose floor and ceiling is sloped.
+    const SLOPED: u8 = 2;
     /// Of cells that are not simple.
     pub(crate) const NONE: Step = Step {
         x: [0.0; LANES],
@@ -45,6 +51,7 @@ impl Step {
         root: 0,
         flags: 0,
         corners: 0,
+        kind: 0,
     };
     /// The bit of a link that leads to matter, behind a face with the flag [`PLAIN`]; the others are the number of its source. A link with neither
     /// this bit nor [`Step::SPLIT`] is the number of a prism of air.
@@ -69,10 +76,22 @@ impl Step {
         inward(&self.x, &self.y, [x as f32, y as f32])
     }
 
+    /// Whether the cell is simple, and its floor and its ceiling are level.
+    #[inline(always)]
+    pub(crate) fn is_level(&self) -> bool {
+        self.kind == Step::LEVEL
+    }
+
+    /// Whether the cell is simple, and its floor or its ceiling is sloped.
+    #[inline(always)]
+    pub(crate) fn is_sloped(&self) -> bool {
+        self.kind == Step::SLOPED
+    }
+
     /// Whether the cell is simple.
     #[inline(always)]
     pub(crate) fn is_some(&self) -> bool {
-        self.corners != 0
+        self.kind != 0
     }
 }
 
@@ -338,7 +357,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
         };
         corners += 1;
     }
-    step.corners = corners as u16;
+    step.corners = corners as u8;
     for corner in 0..corners {
         if step.links[corner] == Step::PARTS {
             let start = usize::from(step.side[corner]);
@@ -358,6 +377,8 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
         };
         step.height[end] = exact(prisms, plane);
     }
+    let is_sloped = step.height[0].is_nan() || step.height[1].is_nan();
+    step.kind = if is_sloped { Step::SLOPED } else { Step::LEVEL };
     step
 }
 

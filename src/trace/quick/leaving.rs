@@ -35,10 +35,10 @@ pub(in crate::trace) const DOWN: usize = LANES;
 pub(in crate::trace) const UP: usize = LANES + 1;
 
 /// In the place of an edge: where it leaves is told.
-const EXACT: u32 = u32::MAX;
+pub(super) const EXACT: u32 = u32::MAX;
 
 /// From the border of a floor or a ceiling a ray passes it no nearer than this, metres: somewhat more than cells are blurred.
-const WITHIN: f32 = 1.25 * BLURRED as f32;
+pub(super) const WITHIN: f32 = 1.25 * BLURRED as f32;
 
 impl Exit {
     /// In doubt.
@@ -48,6 +48,12 @@ impl Exit {
     #[inline(always)]
     pub(in crate::trace) fn through(by: u32) -> Exit {
         Exit { by, ..Exit::NONE }
+    }
+
+    /// Through an edge of a simple prism, its floor or its ceiling, there.
+    #[inline(always)]
+    pub(super) fn passing(t: f64, link: u32, by: usize) -> Exit {
+        Exit { t, link, by: by as u32 }
     }
 
     /// Where a ray leaves the cell, to rounding of f64.
@@ -70,7 +76,7 @@ impl Exit {
     /// Through an edge, the floor or the ceiling, about there.
     #[inline(always)]
     fn about(t: f32, off: f32, link: u32, by: usize) -> Exit {
-        Exit { t: f64::from(t) + f64::from(off), link, by: by as u32 }
+        Exit::passing(f64::from(t) + f64::from(off), link, by)
     }
 
     /// It does not leave after.
@@ -87,6 +93,25 @@ struct Edge {
     side: usize,
     a: [f32; 2],
     b: [f32; 2],
+}
+
+/// What f32 says of the way out of a simple prism's footprint.
+pub(super) struct Footprint<L> {
+    /// The edge.
+    pub(super) index: usize,
+    /// The sides of the line that its ends are on, the first on its right.
+    pub(super) right: f32,
+    pub(super) left: f32,
+    /// From each corner to the next, how far the ray's origin is within, and how fast it goes out, times its size.
+    pub(super) inward: L,
+    pub(super) across: L,
+    /// From one end to the other along each axis.
+    pub(super) size: L,
+    /// Where, and how far one aside is from there, times that.
+    t: f32,
+    pub(super) slant: f32,
+    /// Whether there is such an edge, and the ray starts within the footprint if it is to.
+    pub(super) is_there: bool,
 }
 
 /// What f32 says of the way out of a simple prism.
@@ -149,8 +174,8 @@ impl Way<'_> {
     #[inline(always)]
     pub(super) fn leave<L: Entries>(&self, cell: u32, starts: bool) -> Exit {
         let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
-        if !step.is_some() {
-            return self.otherwise(cell, EXACT, starts);
+        if !step.is_level() {
+            return self.otherwise::<L>(cell, EXACT, starts);
         }
         let crossing = self.crossing::<L>(step, starts);
         let exit = crossing.exit;
@@ -168,34 +193,27 @@ impl Way<'_> {
             }
         }
         // Neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
-        let by = if crossing.is_within || crossing.is_clear {
-            exit.by
-        } else if step.height[0].is_nan() || step.height[1].is_nan() {
-            EXACT
-        } else {
-            return Exit::NONE;
-        };
-        self.otherwise(cell, by, starts)
+        if crossing.is_within || crossing.is_clear {
+            return self.otherwise::<L>(cell, exit.by, starts);
+        }
+        Exit::NONE
     }
 
     #[inline(always)]
-    fn otherwise(&self, cell: u32, by: u32, starts: bool) -> Exit {
+    fn otherwise<L: Entries>(&self, cell: u32, by: u32, starts: bool) -> Exit {
         // Taken apart, so that what others return stays in registers, too.
-        let Exit { t, link, by } = otherwise(self.tables, self.ray, cell, by, starts).unwrap_or(Exit::NONE);
+        let Exit { t, link, by } =
+            L::otherwise(self.tables, self.ray, cell, by, starts).unwrap_or(Exit::NONE);
         Exit { t, link, by }
     }
 
-    /// Where the ray leaves a simple prism, as far as f32 tells. Whether through an edge is left to a processor's guess: it foresees that of rays
-    /// that go similar ways, and what follows need not wait.
+    /// Where the ray's line in the plan leaves the footprint of a simple prism.
     #[inline(always)]
-    fn crossing<L: Lanes>(&self, step: &Step, starts: bool) -> Crossing {
-        let [fx, fy, fz] = [self.from.x as f32, self.from.y as f32, self.from.z as f32];
-        let [ax, ay, az] = [self.along.x as f32, self.along.y as f32, self.along.z as f32];
-        let margin = BLURRED as f32 + self.rounding;
+    pub(super) fn footprint<L: Lanes>(&self, step: &Step, starts: bool) -> Footprint<L> {
+        let [fx, fy] = [self.from.x as f32, self.from.y as f32];
         let (x, y) = (L::load(&step.x).sub(L::splat(fx)), L::load(&step.y).sub(L::splat(fy)));
-        let (along_x, along_y) = (L::splat(ax), L::splat(ay));
+        let (along_x, along_y) = (L::splat(self.along.x as f32), L::splat(self.along.y as f32));
         let sides = along_x.mul(y).sub(along_y.mul(x));
-        // From each corner to the next, how far the ray's origin is within, and how fast it goes out, times its size.
         let (ex, ey) = (x.rotate().sub(x), y.rotate().sub(y));
         let size = ex.abs().add(ey.abs());
         let inward = ey.mul(x).sub(ex.mul(y));
@@ -211,11 +229,25 @@ impl Way<'_> {
         let per = 1.0 / across.store()[index];
         let t = inward.store()[index] * per;
         let slant = size.store()[index] * per;
-        let [floor, ceiling] = step.height;
         let mut is_there = leaves != 0;
         if starts {
-            let is_in = L::bits(L::splat(0.0).le(inward)) == 0xff;
-            is_there &= is_in & (t >= 0.0) & (fz >= floor) & (fz <= ceiling);
+            is_there &= (L::bits(L::splat(0.0).le(inward)) == 0xff) & (t >= 0.0);
+        }
+        Footprint { index, right, left, inward, across, size, t, slant, is_there }
+    }
+
+    /// Where the ray leaves a simple prism, as far as f32 tells. Whether through an edge is left to a processor's guess: it foresees that of rays
+    /// that go similar ways, and what follows need not wait.
+    #[inline(always)]
+    fn crossing<L: Lanes>(&self, step: &Step, starts: bool) -> Crossing {
+        let [fx, fy, fz] = [self.from.x as f32, self.from.y as f32, self.from.z as f32];
+        let [ax, ay, az] = [self.along.x as f32, self.along.y as f32, self.along.z as f32];
+        let margin = BLURRED as f32 + self.rounding;
+        let Footprint { index, right, left, inward, across, size, t, slant, mut is_there } =
+            self.footprint::<L>(step, starts);
+        let [floor, ceiling] = step.height;
+        if starts {
+            is_there &= (fz >= floor) & (fz <= ceiling);
         }
         // Its height where it leaves the footprint, beside how far that of one aside is from there.
         let height = fz + t * az;
@@ -246,17 +278,19 @@ impl Way<'_> {
     /// Where the ray leaves the cell, to rounding of f64.
     #[inline(always)]
     pub(super) fn exact(&self, exit: &Exit, cell: u32) -> f64 {
-        if exit.by == EXACT {
-            exit.t
-        } else {
-            self.passes(&self.tables.steps[cell as usize], exit.by as usize)
-        }
+        if exit.by == EXACT { exit.t } else { self.passes(cell, exit.by as usize) }
     }
 
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.
     #[inline(always)]
-    fn passes(&self, step: &Step, index: usize) -> f64 {
+    pub(super) fn passes(&self, cell: u32, index: usize) -> f64 {
+        let step = &self.tables.steps[cell as usize];
         if index >= LANES {
+            if step.is_sloped() {
+                let cell = &self.tables.cells[cell as usize];
+                let (over, grows) = self.over(if index == DOWN { cell.floor } else { cell.ceiling });
+                return -over / grows;
+            }
             return (f64::from(step.height[index - LANES]) - self.from.z) * (1.0 / self.along.z);
         }
         let next = (index + 1) % LANES;
@@ -291,7 +325,7 @@ impl Way<'_> {
     /// Where the part of an edge leads that the ray leaves through: of its sides the last that starts on its right, and of the faces of that
     /// the one at its height there.
     #[inline(never)]
-    fn part(&self, cell: u32, step: &Step, index: usize) -> Option<u32> {
+    pub(super) fn part(&self, cell: u32, step: &Step, index: usize) -> Option<u32> {
         let tables = self.tables;
         let record = &tables.cells[cell as usize];
         let first = record.first_side as usize;
@@ -414,7 +448,7 @@ impl Way<'_> {
 
     /// Where the part of a floor or ceiling leads that the ray passes.
     #[inline(never)]
-    fn cover(&self, cell: u32, is_down: bool, at: [f64; 2], grows: f64) -> Option<u32> {
+    pub(super) fn cover(&self, cell: u32, is_down: bool, at: [f64; 2], grows: f64) -> Option<u32> {
         let tables = self.tables;
         let record = &tables.cells[cell as usize];
         let first = record.first_cover as usize;
@@ -457,28 +491,45 @@ impl Way<'_> {
     }
 }
 
-/// Where a ray leaves a prism, that is not simple if `by` is `EXACT`, else through something of several parts.
+/// Where a ray leaves a prism, that is not simple and level if `by` is `EXACT`, else through something of several parts.
+#[inline(always)]
+pub(in crate::trace) fn otherwise<L: Entries>(
+    tables: &Views,
+    ray: &Ray,
+    cell: u32,
+    by: u32,
+    starts: bool,
+) -> Option<Exit> {
+    // By functions of their own, which find their way anew: so that none pays for what another keeps.
+    if by == EXACT && tables.steps[cell as usize].is_sloped() {
+        L::sloped(tables, ray, cell, starts)
+    } else {
+        slowly(tables, ray, cell, by, starts)
+    }
+}
+
+/// The same in f64.
 #[inline(never)]
-fn otherwise(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
+pub(super) fn slowly(tables: &Views, ray: &Ray, cell: u32, by: u32, starts: bool) -> Option<Exit> {
     let way = Way::new(tables, ray)?;
     if by == EXACT {
         return if starts { way.leave_any::<true>(cell) } else { way.leave_any::<false>(cell) };
     }
     let step = &tables.steps[cell as usize];
-    let t = way.passes(step, by as usize);
+    let t = way.passes(cell, by as usize);
     let link = if (by as usize) < LANES {
         way.part(cell, step, by as usize)?
     } else {
         let at = [way.from.x + t * way.along.x, way.from.y + t * way.along.y];
         way.cover(cell, by as usize == DOWN, at, way.along.z)?
     };
-    Some(Exit { t, link, by })
+    Some(Exit::passing(t, link, by as usize))
 }
 
 /// Where a ray passes an edge of a simple prism, or its floor or its ceiling.
 #[inline(never)]
 fn exact(tables: &Views, ray: &Ray, cell: u32, by: u32) -> f64 {
-    Way::new(tables, ray).map_or(f64::NAN, |way| way.passes(&tables.steps[cell as usize], by as usize))
+    Way::new(tables, ray).map_or(f64::NAN, |way| way.passes(cell, by as usize))
 }
 
 /// From one corner to another. Not by `array::map`, which is not always inlined.

@@ -13,6 +13,7 @@
 mod barred;
 mod leaving;
 mod rough;
+mod sloped;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
 
@@ -31,8 +32,9 @@ use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
 use crate::format::Views;
 use crate::format::records::Leaf;
 pub(super) use barred::{CELLS, barred, barred_from, is_walled};
-pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split};
+pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, otherwise};
 use rough::rough;
+pub(super) use sloped::sloped;
 
 /// A direction whose squared length is no farther than this from 1 is unit: no rounding brings it nearer for sure.
 pub(super) const UNIT: f64 = 1e-14;
