@@ -89,7 +89,7 @@ sections! {
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
     derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
-    derived airgrid: AirGrid, derived airguess: Guess, derived airstarts: u32, derived aircells: u32;
+    derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -280,8 +280,7 @@ impl Views {
         (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));
         (self.tiles, self.shapes) = (View::own(splits.tiles), View::own(splits.shapes));
         self.airgrid = View::own(vec![finder.grid]);
-        self.airguess = View::own(finder.guesses);
-        (self.airstarts, self.aircells) = (View::own(finder.starts), View::own(finder.cells));
+        (self.airguess, self.aircells) = (View::own(finder.guesses), View::own(finder.cells));
     }
 }
 

@@ -380,7 +380,7 @@ impl Scene {
     fn order(&self, starts: Starts<'_>, rays: &[Ray]) -> Vec<u32> {
         let count = match starts {
             Starts::Cells(_) => self.tables.cells.len(),
-            _ => self.tables.airstarts.len(),
+            _ => self.tables.airguess.len(),
         };
         let mut shift = 0;
         while count >> shift > PLACES {

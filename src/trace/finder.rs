@@ -101,10 +101,8 @@ impl AirGrid {
 /// The prisms of air by the cubes that they reach into: those first that have the most of a cube.
 pub(crate) struct Finder {
     pub(crate) grid: AirGrid,
-    /// For each cube (x fastest) the first of its prisms, and the end of the last.
-    pub(crate) starts: Vec<u32>,
     pub(crate) cells: Vec<u32>,
-    /// For each cube which of them it is for most points.
+    /// For each cube (x fastest) which of its prisms it is for most points, and where they are listed; then the end of the last.
     pub(crate) guesses: Vec<Guess>,
 }
 
@@ -129,7 +127,7 @@ impl Finder {
         let reach = lo.iter().chain(&hi).fold(0.0f64, |reach, c| reach.max(c.abs()));
         let rounding = (reach * (-20f64).exp2()) as f32;
         let mut grid = AirGrid { lo, hi, rounding, ..AirGrid::zeroed() };
-        let none = Finder { grid, starts: vec![0], cells: Vec::new(), guesses: Vec::new() };
+        let none = Finder { grid, cells: Vec::new(), guesses: vec![Guess::NOWHERE] };
         let Some(dims) = dims.filter(|_| !air.is_empty()) else { return none };
         grid.dims = dims;
         grid.per = [0, 1, 2].map(|axis| f64::from(grid.dims[axis]) / size[axis]);
@@ -157,8 +155,10 @@ impl Finder {
         reaches.sort_unstable_by(|a, b| a.cube.cmp(&b.cube).then(by_size(a, b)).then(a.cell.cmp(&b.cell)));
         let found: Vec<u32> = reaches.iter().map(|reach| reach.cell).collect();
         let cubes = starts.windows(2).map(|ends| &found[ends[0] as usize..ends[1] as usize]);
-        let guesses = (0..).zip(cubes).map(|(cube, found)| guess(&grid, cube, found, cells, steps)).collect();
-        Finder { grid, starts, cells: found, guesses }
+        let guesses = (0..).zip(cubes).map(|(cube, found)| guess(&grid, cube, found, cells, steps));
+        let guesses = guesses.chain([Guess::NOWHERE]).zip(&starts);
+        let guesses = guesses.map(|(guess, &start)| guess.with_start(start)).collect();
+        Finder { grid, cells: found, guesses }
     }
 }
 
@@ -258,7 +258,8 @@ mod tests {
         for _ in 0..50_000 {
             let at = [0, 1, 2].map(|axis| random.between(lo[axis], hi[axis]));
             let cube = finder.grid.cube(at).unwrap();
-            let listed = &finder.cells[finder.starts[cube] as usize..finder.starts[cube + 1] as usize];
+            let [from, to] = [cube, cube + 1].map(|cube| finder.guesses[cube].start as usize);
+            let listed = &finder.cells[from..to];
             let holds = (0..tables.cells.len() as u32).filter(|&cell| {
                 let record = &tables.cells[cell as usize];
                 record.kind == CellRecord::AIR
@@ -305,8 +306,8 @@ mod tests {
         };
         let of = |count: usize| Finder::new(&scene, &vec![cell; count], &vec![Step::NONE; count]);
         let few = of(4);
-        assert!(few.starts.len() > 100 && few.cells.len() == 4 * (few.starts.len() - 1));
+        assert!(few.guesses.len() > 100 && few.cells.len() == 4 * (few.guesses.len() - 1));
         let many = of(32);
-        assert_eq!((many.starts.len(), many.cells.len()), (1, 0));
+        assert_eq!((many.guesses.len(), many.cells.len()), (1, 0));
     }
 }

@@ -101,7 +101,7 @@ pub(super) fn free_many<L: Lanes>(tables: &Views, points: &[[f64; 4]], cells: &m
 /// The prism of air in a cube that holds a point and is not the one that was guessed.
 #[inline(always)]
 fn other<L: Lanes>(tables: &Views, cube: usize, at: [f64; 3], guess: u32) -> Option<u32> {
-    let &[start, end] = tables.airstarts.get(cube..)?.first_chunk()?;
+    let &[Guess { start, .. }, Guess { start: end, .. }] = tables.airguess.get(cube..)?.first_chunk()?;
     let mut found = None;
     // No closures: those are not compiled for the kernel's instructions.
     for &cell in &tables.aircells[start as usize..end as usize] {

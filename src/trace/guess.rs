@@ -21,6 +21,8 @@ pub(crate) struct Guess {
     below: u32,
     /// The prism above, and whether that is certain.
     above: u32,
+    /// The first of the prisms that reach into the cube; the next cube's follow.
+    pub(super) start: u32,
 }
 
 impl Guess {
@@ -30,7 +32,13 @@ impl Guess {
     pub(super) const CERTAIN: u32 = 1 << 29;
     const AXIS: u32 = 30;
     /// No prism.
-    const NOWHERE: Guess = Guess { ends: [f32::INFINITY; 2], below: Guess::NUMBER, above: Guess::NUMBER };
+    pub(super) const NOWHERE: Guess =
+        Guess { ends: [f32::INFINITY; 2], below: Guess::NUMBER, above: Guess::NUMBER, start: 0 };
+
+    /// The same of a cube whose prisms are listed from there on.
+    pub(super) fn with_start(self, start: u32) -> Guess {
+        Guess { start, ..self }
+    }
 
     /// The prism that holds a point of the cube, if any does, and whether that is certain.
     #[inline(always)]
@@ -105,7 +113,8 @@ pub(super) fn guess(
         }
     }
     let (_, [below, above], axis, at) = best;
-    let mut guess = Guess { ends: [at as f32; 2], below: below | (axis as u32) << Guess::AXIS, above };
+    let mut guess =
+        Guess { ends: [at as f32; 2], below: below | (axis as u32) << Guess::AXIS, above, start: 0 };
     // As far as either is certain; a little less, for what f32 makes of it.
     let end = at.min(cells[below as usize].bounds[1][axis] - 1.5 * WITHIN);
     let mut part = cube;
@@ -168,7 +177,7 @@ mod tests {
             let mut random = SplitMix64::new(9);
             let (mut found, mut certain, mut right) = (0u32, 0u32, 0u32);
             for _ in 0..60_000 {
-                let cube = random.below(finder.guesses.len() as u64) as usize;
+                let cube = random.below(finder.guesses.len() as u64 - 1) as usize;
                 let (guess, [lo, hi]) = (finder.guesses[cube], finder.grid.bounds(cube));
                 let mut at = [0, 1, 2].map(|axis| random.between(lo[axis], hi[axis]));
                 let axis = (guess.below >> Guess::AXIS) as usize;
