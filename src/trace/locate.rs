@@ -73,7 +73,6 @@ impl Scene {
     }
 
     /// Where a point of the hull lies that is in the air of no prism for sure.
-    #[cold]
     #[inline(never)]
     fn place_in_doubt(&self, point: [f64; 3]) -> Place {
         if let Some(volume) = smallest(self, point, Role::Solid) {
