@@ -6,6 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::tracers::Tracer;
+use super::way::Way;
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray};
@@ -153,7 +154,7 @@ fn agree(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 /// One frame by one way, on all threads of the current pool.
-pub(super) fn trace(tracer: &Tracer, rays: &[Ray], hits: &mut [Hit]) {
+pub(super) fn trace(tracer: &dyn Way, rays: &[Ray], hits: &mut [Hit]) {
     #[cfg(feature = "rayon")]
     if rayon::current_num_threads() > 1 && !tracer.is_batch() {
         use rayon::prelude::*;

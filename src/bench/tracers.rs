@@ -1,8 +1,9 @@
 //! Ways to answer rays, side by side: enfilade's kernels, its batches, and the library that builds the hierarchy of boxes,
-//! by itself, on the same triangles.
+//! by itself, on the same triangles; of a model, also scenes compiled otherwise, rays in f32, and the truth in f64.
 
 use std::sync::Arc;
 
+use enfilade_importers::{Model, Untagged};
 use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -12,8 +13,11 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as SingleRay, RayHit};
 use obvhs::triangle::Triangle;
 
+use crate::compile::{CompileError, CompileOptions, compile};
+use crate::oracle::Truth;
+use crate::partition::Convexification;
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Want};
+use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
 
 /// A way to answer rays that start in the air.
 pub struct Tracer {
@@ -23,7 +27,10 @@ pub struct Tracer {
 
 enum Way {
     Kernel(Kernel, Arc<Scene>),
+    /// The same of rays that were rounded to f32.
+    Narrow(Kernel, Arc<Scene>),
     Batch(Arc<Scene>),
+    Truth(Arc<Truth>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
 }
@@ -88,7 +95,56 @@ pub fn names() -> Vec<String> {
     kernels.chain(["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned)).collect()
 }
 
+/// Ways that need the model, besides [`names`].
+const OF_MODELS: [&str; 4] = [F32_RAYS, NO_CELLS, DIAGONALS, TRUTH];
+
+const F32_RAYS: &str = "enfilade-f32-rays";
+const NO_CELLS: &str = "enfilade-no-cells";
+const DIAGONALS: &str = "enfilade-diagonals";
+const TRUTH: &str = "truth-f64";
+
+/// The names of all ways that this machine has for a scene whose model is known: [`names`], rays that are rounded to f32, the scene compiled without
+/// cells, and with cells cut by diagonals, and the truth in f64.
+pub fn error_names() -> Vec<String> {
+    names().into_iter().chain(OF_MODELS.map(str::to_owned)).collect()
+}
+
+/// A ray as f32 has it.
+fn narrow(ray: &Ray) -> Ray {
+    let round = |c: f64| f64::from(c as f32);
+    Ray::segment(ray.origin.map(round), ray.direction.map(round), round(ray.tmin), round(ray.tmax))
+}
+
 impl Tracer {
+    /// The way of one of [`error_names`], over the triangles of `scene`, which was compiled from `model`.
+    ///
+    /// # Errors
+    /// Those of [`compile`].
+    pub fn of_model(
+        name: &str,
+        scene: &Arc<Scene>,
+        model: &Model,
+        untagged: Untagged,
+        truth: &Arc<Truth>,
+    ) -> Result<Option<Tracer>, CompileError> {
+        let mut options = CompileOptions::default();
+        (options.tolerance, options.untagged) = (scene.tolerance(), untagged);
+        let way = match name {
+            F32_RAYS => Way::Narrow(Kernel::best(), Arc::clone(scene)),
+            TRUTH => Way::Truth(Arc::clone(truth)),
+            NO_CELLS | DIAGONALS => {
+                if name == NO_CELLS {
+                    options.cells = false;
+                } else {
+                    options.convexification = Convexification::Diagonals;
+                }
+                Way::Kernel(Kernel::best(), Arc::new(compile(model, &options)?.scene()))
+            }
+            _ => return Ok(Tracer::by_name(name, scene)),
+        };
+        Ok(Some(Tracer { name: name.to_owned(), way }))
+    }
+
     /// The way of this name, over the triangles of `scene`.
     pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
         let way = if name == "enfilade-batch" {
@@ -115,34 +171,49 @@ impl Tracer {
         Some(Tracer { name: name.to_owned(), way })
     }
 
-    /// Whether it has its own ways to share rays among threads.
-    pub(super) fn is_batch(&self) -> bool {
-        matches!(self.way, Way::Batch(_))
+    /// Rays each of which starts where the last one did, or not, as a caller would ask who knows that.
+    fn trace_one_by_one(
+        kernel: Kernel,
+        scene: &Scene,
+        rays: &[Ray],
+        hits: &mut [Hit],
+        as_told: impl Fn(&Ray) -> Ray,
+    ) {
+        let (mut origin, mut start) = ([f64::NAN; 3], Start::Anywhere);
+        for (ray, hit) in rays.iter().zip(hits) {
+            let ray = as_told(ray);
+            if ray.origin != origin {
+                origin = ray.origin;
+                start = match scene.locate(origin) {
+                    Place::Air { cell, .. } => Start::Cell(cell),
+                    _ => Start::Anywhere,
+                };
+            }
+            *hit = scene.trace_with(kernel, start, &ray, Want::LEAST);
+        }
     }
+}
 
-    /// Its name.
-    pub fn name(&self) -> &str {
+impl super::way::Way for Tracer {
+    fn name(&self) -> &str {
         &self.name
     }
 
-    /// What each ray meets first: distance and triangle, nothing else for sure.
-    pub fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
+    fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
         match &self.way {
-            Way::Kernel(kernel, scene) => {
-                // As a caller would who knows that rays start where the last one did.
-                let (mut origin, mut start) = ([f64::NAN; 3], Start::Anywhere);
+            Way::Kernel(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, |ray| *ray),
+            Way::Narrow(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, narrow),
+            Way::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
+            Way::Truth(truth) => {
                 for (ray, hit) in rays.iter().zip(hits) {
-                    if ray.origin != origin {
-                        origin = ray.origin;
-                        start = match scene.locate(origin) {
-                            Place::Air { cell, .. } => Start::Cell(cell),
-                            _ => Start::Anywhere,
-                        };
-                    }
-                    *hit = scene.trace_with(*kernel, start, ray, Want::LEAST);
+                    *hit = truth.nearest(ray).map_or(Hit::ESCAPED, |nearest| Hit {
+                        t: nearest.t,
+                        element: nearest.element.0,
+                        triangle: nearest.triangle,
+                        ..Hit::ESCAPED
+                    });
                 }
             }
-            Way::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
             Way::Bvh2(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
                 bvh.ray_traverse(ray, found, |ray, place| {
                     rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)
@@ -154,5 +225,33 @@ impl Tracer {
                 })
             }),
         }
+    }
+
+    fn trace_onward(&self, from: &[Hit], rays: &[Ray], hits: &mut [Hit]) {
+        let one_by_one = |kernel: Kernel, scene: &Scene, hits: &mut [Hit], as_told: fn(&Ray) -> Ray| {
+            for ((from, ray), hit) in from.iter().zip(rays).zip(hits) {
+                *hit = scene.trace_with(kernel, Start::Hit(from), &as_told(ray), Want::LEAST);
+            }
+        };
+        match &self.way {
+            Way::Kernel(kernel, scene) => one_by_one(*kernel, scene, hits, |ray| *ray),
+            Way::Narrow(kernel, scene) => one_by_one(*kernel, scene, hits, narrow),
+            Way::Batch(scene) => scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST),
+            _ => self.trace(rays, hits),
+        }
+    }
+
+    fn normal(&self, hit: &Hit) -> Option<[f64; 3]> {
+        match &self.way {
+            Way::Bvh2(_, rounded) | Way::CwBvh(_, rounded) => {
+                let Triangle { v0, v1, v2 } = rounded.triangles.get(hit.triangle as usize)?;
+                Some((*v1 - *v0).cross(*v2 - *v0).as_dvec3().try_normalize()?.to_array())
+            }
+            _ => (hit.normal != [0.0; 3]).then_some(hit.normal),
+        }
+    }
+
+    fn is_batch(&self) -> bool {
+        matches!(self.way, Way::Batch(_))
     }
 }

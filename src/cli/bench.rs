@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, Subcommand};
-use enfilade::bench::{ErrorOptions, FrozenScene, SpeedOptions, error, names, speed};
+use enfilade::bench::{
+    ErrorOptions, ErrorReport, FrozenScene, SpeedOptions, error, error_names, names, speed,
+};
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
 use enfilade::importers::{ImportOptions, Model};
@@ -51,7 +53,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 enum What {
     Cells(super::bench_cells::Arguments),
-    /// Time beside error: wrong pixels and the largest error of every way.
+    /// Time beside error, by exact arithmetic: pixels that are wrong, how far the others are off, leaks, surfaces met twice, pictures.
     Error(Error),
 }
 
@@ -90,8 +92,7 @@ struct Common {
 }
 
 impl Common {
-    fn kernels(&self) -> Result<Vec<String>, Failure> {
-        let known = names();
+    fn kernels(&self, known: Vec<String>) -> Result<Vec<String>, Failure> {
         match self.kernels.iter().find(|k| !known.contains(k)) {
             Some(unknown) => {
                 Err(Failure::usage(format!("no way '{unknown}' on this machine; there are {known:?}")))
@@ -176,7 +177,7 @@ fn run_speed(
         let mut options = SpeedOptions::default();
         options.size = common.size;
         options.repeat = common.repeat;
-        options.kernels = common.kernels()?;
+        options.kernels = common.kernels(names())?;
         let report = speed(&scene, &views, &options);
         if common.json {
             return output::print_json(&report);
@@ -213,38 +214,80 @@ fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
         let mut options = ErrorOptions::default();
         options.size = common.size;
         options.repeat = common.repeat;
-        options.kernels = common.kernels()?;
+        options.kernels = common.kernels(error_names())?;
         options.untagged = common.reading.untagged.untagged();
-        let report = error(&scene, &model, &views, &options).map_err(Failure::input)?;
+        let report = error(&scene, &model, &views, &[], &options).map_err(Failure::input)?;
         if common.json {
             return output::print_json(&report);
         }
-        let mut out = String::new();
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            out,
-            "{}, {} thread(s), {} pixels of {} frames, tolerance {} m",
-            report.machine, report.threads, report.pixels, report.frames, report.tolerance
-        );
-        let _ = writeln!(
-            out,
-            "{:<18} {:>10} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}",
-            "kernel", "ns/ray", "wrong", "ppm", "on edges", "max fwd m", "rms fwd m", "max back m"
-        );
-        for r in &report.rows {
-            let _ = writeln!(
-                out,
-                "{:<18} {:>10.1} {:>9} {:>9.2} {:>9} {:>12.3e} {:>12.3e} {:>12.3e}",
-                r.kernel,
-                r.ns_per_ray,
-                r.wrong,
-                r.wrong_ppm,
-                r.edges,
-                r.largest_forward,
-                r.rms_forward,
-                r.largest_backward
-            );
-        }
-        output::print(&out)
+        output::print(&error_tables(&report))
     })?
+}
+
+/// Time beside what is wrong, then how far right answers are off.
+fn error_tables(report: &ErrorReport) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "{}, {} thread(s), {} pixels of {} frames, {} of them with several exact answers, tolerance {} m",
+        report.machine, report.threads, report.pixels, report.frames, report.tied, report.tolerance
+    );
+    let _ = writeln!(
+        out,
+        "{:<18} {:>8} {:>9} {:>9} {:>7} {:>7} {:>7} {:>8} {:>7} {:>7}",
+        "kernel", "ns/ray", "frame ms", "differing", "ties", "beside", "wrong", "ppm", "leaks", "doubles"
+    );
+    for r in &report.rows {
+        let e = &r.errors;
+        let _ = writeln!(
+            out,
+            "{:<18} {:>8.1} {:>9.3} {:>9} {:>7} {:>7} {:>7} {:>8.2} {:>7} {:>7}",
+            r.kernel,
+            r.ns_per_ray,
+            r.frame_ms,
+            e.differing,
+            e.ties,
+            e.beside,
+            e.wrong,
+            e.wrong_ppm,
+            e.leaks,
+            e.double_hits
+        );
+    }
+    let _ = writeln!(
+        out,
+        "\n{:<18} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "kernel",
+        "max fwd m",
+        "mean",
+        "rms",
+        "max ulps",
+        "mean",
+        "max back m",
+        "rms",
+        "max rad",
+        "rmse",
+        "rel. mse"
+    );
+    for r in &report.rows {
+        let e = &r.errors;
+        let or_none = |number: Option<f64>| number.map_or("-".to_owned(), |number| format!("{number:.1e}"));
+        let _ = writeln!(
+            out,
+            "{:<18} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9} {:>9} {:>9}",
+            r.kernel,
+            e.forward.largest,
+            e.forward.mean,
+            e.forward.rms,
+            e.ulps.largest,
+            e.ulps.mean,
+            e.backward.largest,
+            e.backward.rms,
+            or_none(e.normals.map(|normals| normals.largest)),
+            or_none(e.image.map(|image| image.rmse)),
+            or_none(e.image.map(|image| image.relative_mse))
+        );
+    }
+    out
 }

@@ -1,0 +1,210 @@
+//! How right, beside how fast: every way to answer single rays against exact arithmetic on the model's triangles, on the pixels of frames.
+
+mod image;
+mod score;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use enfilade_importers::{Model, Untagged};
+use glam::DVec3;
+use serde::Serialize;
+
+use super::speed::{machine, median, threads, trace};
+use super::tracers::{Tracer, error_names};
+use super::way::Way;
+use crate::compile::CompileError;
+use crate::oracle::{First, Truth, TruthOptions};
+use crate::render::Camera;
+use crate::roles::roles;
+use crate::scene::Scene;
+use crate::trace::{Hit, Place, Ray};
+
+pub use image::ImageError;
+pub use score::{Errors, Spread};
+use score::{Judge, Score};
+
+/// So many rays are answered exactly before the ways' answers to them are judged.
+const BLOCK: usize = 1 << 12;
+
+/// How to measure.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ErrorOptions {
+    /// Width and height of the frames.
+    pub size: (u32, u32),
+    /// How often each frame is traced by each way; the median counts.
+    pub repeat: u32,
+    /// Names of the ways ([`error_names`]).
+    pub kernels: Vec<String>,
+    /// As the model was compiled.
+    pub untagged: Untagged,
+}
+
+impl Default for ErrorOptions {
+    fn default() -> ErrorOptions {
+        ErrorOptions { size: (256, 256), repeat: 3, kernels: error_names(), untagged: Untagged::default() }
+    }
+}
+
+/// One way: its time and its errors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorRow {
+    /// The way.
+    pub kernel: String,
+    /// Milliseconds for a frame.
+    pub frame_ms: f64,
+    /// Nanoseconds for a ray.
+    pub ns_per_ray: f64,
+    /// Its errors.
+    #[serde(flatten)]
+    pub errors: Errors,
+}
+
+/// What [`error`] measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorReport {
+    /// The program's version.
+    pub version: &'static str,
+    /// The processor's architecture and instruction sets.
+    pub machine: String,
+    /// Threads.
+    pub threads: usize,
+    /// The tolerance, metres.
+    pub tolerance: f64,
+    /// Frames.
+    pub frames: u64,
+    /// Pixels of all frames.
+    pub pixels: u64,
+    /// Of those, pixels that have several exact answers.
+    pub tied: u64,
+    /// The ways.
+    pub rows: Vec<ErrorRow>,
+}
+
+/// Nothing was measured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ErrorFailure {
+    /// The scene is none of the model.
+    #[error("the scene was not compiled from this model: it has {scene} elements, the model {model}")]
+    OtherModel {
+        /// Elements of the scene.
+        scene: u32,
+        /// Elements of the model.
+        model: usize,
+    },
+    /// The model could not be compiled another way.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+}
+
+/// Traces the frames of `views` by every way that the options name, and by `others`, and judges every pixel by the triangles of `model`.
+///
+/// # Errors
+/// [`ErrorFailure`].
+pub fn error(
+    scene: &Arc<Scene>,
+    model: &Model,
+    views: &[Camera],
+    others: &[&dyn Way],
+    options: &ErrorOptions,
+) -> Result<ErrorReport, ErrorFailure> {
+    if scene.element_count() as usize != model.elements.len() {
+        return Err(ErrorFailure::OtherModel { scene: scene.element_count(), model: model.elements.len() });
+    }
+    let roles = roles(model, options.untagged);
+    let truth = Arc::new(Truth::new(
+        model,
+        |e| roles[e.0 as usize],
+        &TruthOptions::default().with_tolerance(scene.tolerance()),
+    ));
+    let mut tracers = Vec::new();
+    for name in &options.kernels {
+        tracers.extend(Tracer::of_model(name, scene, model, options.untagged, &truth)?);
+    }
+    let ways: Vec<&dyn Way> =
+        tracers.iter().map(|tracer| tracer as &dyn Way).chain(others.iter().copied()).collect();
+    let (width, height) = options.size;
+    let views: Vec<&Camera> =
+        views.iter().filter(|camera| !matches!(scene.locate(camera.eye()), Place::InSolid(_))).collect();
+    let mut seconds = vec![0.0; ways.len()];
+    let mut scores = vec![Score::default(); ways.len()];
+    let judge = Judge { truth: &truth, model };
+    let (mut pixels, mut tied) = (0u64, 0u64);
+    for camera in &views {
+        let pinhole = camera.pinhole(width, height);
+        let rays: Vec<Ray> = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| pinhole.ray(x, y))
+            .collect();
+        pixels += rays.len() as u64;
+        let mut hits: Vec<Vec<Hit>> = ways.iter().map(|_| vec![Hit::ESCAPED; rays.len()]).collect();
+        let mut times = vec![Vec::new(); ways.len()];
+        for _ in 0..options.repeat.max(1) {
+            for (i, way) in ways.iter().enumerate() {
+                let start = Instant::now();
+                trace(*way, &rays, &mut hits[i]);
+                times[i].push(start.elapsed().as_secs_f64());
+            }
+        }
+        for (first, block) in rays.chunks(BLOCK).enumerate() {
+            let exact = crate::parallel::map(block.len(), |ray| truth.first(&block[ray]));
+            tied += exact.iter().flatten().filter(|first| first.is_tie()).count() as u64;
+            for (i, way) in ways.iter().enumerate() {
+                let hits = &hits[i][first * BLOCK..first * BLOCK + block.len()];
+                score(&judge, *way, block, &exact, hits, &mut scores[i]);
+            }
+        }
+        for (seconds, times) in seconds.iter_mut().zip(&mut times) {
+            *seconds += median(times);
+        }
+    }
+    let row = |(i, way): (usize, &&dyn Way)| ErrorRow {
+        kernel: way.name().to_owned(),
+        frame_ms: seconds[i] * 1e3 / views.len().max(1) as f64,
+        ns_per_ray: seconds[i] * 1e9 / pixels.max(1) as f64,
+        errors: scores[i].errors(),
+    };
+    Ok(ErrorReport {
+        version: env!("CARGO_PKG_VERSION"),
+        machine: machine(),
+        threads: threads(),
+        tolerance: scene.tolerance(),
+        frames: views.len() as u64,
+        pixels,
+        tied,
+        rows: ways.iter().enumerate().map(row).collect(),
+    })
+}
+
+/// Judges a way's answers, and what it says of the rays that go on from them as from mirrors.
+fn score(
+    judge: &Judge<'_>,
+    way: &dyn Way,
+    rays: &[Ray],
+    exact: &[Option<First>],
+    hits: &[Hit],
+    score: &mut Score,
+) {
+    let (mut from, mut onward, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+    for ((ray, hit), exact) in rays.iter().zip(hits).zip(exact) {
+        let normal = if hit.t.is_finite() { way.normal(hit) } else { None };
+        judge.add(score, ray, exact.as_ref(), hit, normal);
+        if let Some(normal) = normal {
+            let [origin, along, across] = [ray.origin, ray.direction, normal].map(DVec3::from);
+            let (along, across) = (along.normalize(), across.normalize());
+            let mirrored = along - across * (2.0 * along.dot(across));
+            from.push(*hit);
+            normals.push(normal);
+            onward.push(Ray::new((origin + along * hit.t).to_array(), mirrored.to_array()));
+        }
+    }
+    let mut found = vec![Hit::ESCAPED; onward.len()];
+    way.trace_onward(&from, &onward, &mut found);
+    for ((from, normal), found) in from.iter().zip(normals).zip(&found) {
+        judge.add_onward(score, (from, normal), found, way.normal(found));
+    }
+}

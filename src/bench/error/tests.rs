@@ -1,0 +1,186 @@
+//! Ways that are wrong in each way that is counted.
+
+use super::*;
+use crate::generate::{HouseOptions, Style, house};
+use crate::render::room_views;
+use crate::trace::{Kernel, NONE, Start, Starts, Want};
+use crate::{CompileOptions, compile};
+
+/// enfilade, with its answers and its rays on from them changed.
+struct Changed<C, O> {
+    scene: Arc<Scene>,
+    change: C,
+    onward: O,
+}
+
+impl<C, O> Way for Changed<C, O>
+where
+    C: Fn(usize, &mut Hit) + Sync,
+    O: Fn(&Hit, &Ray, Hit) -> Hit + Sync,
+{
+    fn name(&self) -> &str {
+        "changed"
+    }
+    fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.scene.trace_many(rays, hits, Want::LEAST);
+        hits.iter_mut().enumerate().for_each(|(index, hit)| (self.change)(index, hit));
+    }
+    fn trace_onward(&self, from: &[Hit], rays: &[Ray], hits: &mut [Hit]) {
+        self.scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST);
+        for ((from, ray), hit) in from.iter().zip(rays).zip(hits) {
+            *hit = (self.onward)(from, ray, *hit);
+        }
+    }
+}
+
+fn measured(names: &[&str], change: impl Fn(usize, &mut Hit) + Sync) -> ErrorReport {
+    measured_onward(names, change, |_, _, hit| hit)
+}
+
+fn measured_onward(
+    names: &[&str],
+    change: impl Fn(usize, &mut Hit) + Sync,
+    onward: impl Fn(&Hit, &Ray, Hit) -> Hit + Sync,
+) -> ErrorReport {
+    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    let scene = Arc::new(compile(&model, &CompileOptions::default()).unwrap().scene());
+    let views: Vec<Camera> = room_views(&scene, 1).into_iter().take(3).collect();
+    let kernels = names.iter().map(|name| (*name).to_owned()).collect();
+    let options = ErrorOptions { size: (24, 20), repeat: 1, kernels, ..ErrorOptions::default() };
+    let way = Changed { scene: Arc::clone(&scene), change, onward };
+    let report = error(&scene, &model, &views, &[&way], &options).unwrap();
+    assert_eq!((report.frames, report.pixels), (3, 3 * 24 * 20));
+    report
+}
+
+fn errors(change: impl Fn(usize, &mut Hit) + Sync) -> Errors {
+    measured(&[], change).rows[0].errors
+}
+
+#[test]
+fn every_way_has_its_row_and_enfilade_no_errors() {
+    let names = super::super::tracers::error_names();
+    let report = measured(&names.iter().map(String::as_str).collect::<Vec<_>>(), |_, _| {});
+    assert_eq!(report.rows.len(), names.len() + 1);
+    for row in &report.rows {
+        let Errors { differing, wrong, leaks, forward, backward, .. } = row.errors;
+        assert_eq!((wrong, leaks), (0, 0), "{row:?}");
+        assert!(differing <= 2 && forward.largest < 1e-4 && backward.largest < 1e-3, "{row:?}");
+        assert!(row.ns_per_ray > 0.0 && row.frame_ms > 0.0);
+        let is_exact = row.kernel.starts_with("enfilade") && row.kernel != "enfilade-f32-rays";
+        if is_exact {
+            let (normals, image) = (row.errors.normals.unwrap(), row.errors.image.unwrap());
+            assert!(row.errors.ulps.largest < 1e4 && normals.largest < 1e-12, "{row:?}");
+            assert!(image.rmse < 1e-12 && image.visible == 0 && row.errors.double_hits == 0, "{row:?}");
+        }
+    }
+    // What f32 makes of rays and triangles.
+    let rounded = |name: &str| report.rows.iter().find(|row| row.kernel == name).unwrap().errors.forward;
+    for name in ["obvhs-bvh2", "obvhs-cwbvh", "enfilade-f32-rays"] {
+        assert!(rounded(name).largest > 1e-8, "{name}");
+    }
+    assert!(report.rows.iter().any(|row| row.kernel == "truth-f64" && row.errors.normals.is_none()));
+}
+
+#[test]
+fn distances_that_are_off_are_told_as_far_as_they_are() {
+    let near = errors(|_, hit| hit.t += 3e-4);
+    assert_eq!((near.differing, near.wrong), (0, 0));
+    for spread in [near.forward, near.backward] {
+        assert!((spread.largest - 3e-4).abs() < 1e-9 && (spread.mean - 3e-4).abs() < 1e-9, "{spread:?}");
+        assert!((spread.rms - 3e-4).abs() < 1e-9);
+    }
+    assert!(near.ulps.largest > 1e9);
+    let far = errors(|index, hit| hit.t += if index % 10 == 0 { 0.02 } else { 0.0 });
+    // A parallel ray within the tolerance may meet the same element so far off, at a step or an edge.
+    assert!(far.wrong >= 100 && far.wrong + far.beside == 144 && far.leaks == 0, "{far:?}");
+    assert!((far.wrong_ppm - far.wrong as f64 * 1e6 / 1440.0).abs() < 1e-6);
+    assert!(far.forward.largest < 1e-12, "only of right ones");
+}
+
+#[test]
+fn what_is_missed_or_another_element_is_told() {
+    let missed = errors(|index, hit| {
+        if index % 12 == 0 {
+            *hit = Hit::ESCAPED;
+        }
+    });
+    assert_eq!((missed.leaks, missed.wrong + missed.beside + missed.ties), (120, missed.differing));
+    assert!(missed.wrong > 100 && missed.image.unwrap().rmse > 0.05, "{missed:?}");
+    let other = errors(|_, hit| hit.element = if hit.element == 0 { 1 } else { 0 });
+    assert!(other.wrong > 1000 && other.leaks == 0 && other.image.unwrap().visible > 1000, "{other:?}");
+}
+
+#[test]
+fn normals_and_what_they_do_to_pictures_are_told() {
+    let lean = |hit: &mut Hit| {
+        let normal = DVec3::from(hit.normal);
+        hit.normal = (normal + normal.any_orthonormal_vector() * 0.01).normalize().to_array();
+    };
+    let leaning = errors(|_, hit| lean(hit));
+    let normals = leaning.normals.unwrap();
+    assert!((normals.largest - 0.01f64.atan()).abs() < 1e-9 && normals.mean > 0.0099, "{normals:?}");
+    let image = leaning.image.unwrap();
+    assert!(image.rmse > 1e-4 && image.rmse < 0.01 && image.relative_mse > 0.0, "{image:?}");
+    assert_eq!(leaning.differing, 0);
+    // Which side a normal is on does not matter.
+    let turned = errors(|_, hit| hit.normal = hit.normal.map(|c| -c));
+    assert!(turned.normals.unwrap().largest < 1e-12 && turned.double_hits == 0);
+    let none = errors(|_, hit| hit.normal = [0.0; 3]);
+    assert_eq!((none.normals, none.image), (None, None));
+}
+
+#[test]
+fn planes_that_are_met_twice_are_told() {
+    let again = |from: &Hit, _: &Ray, hit: Hit| {
+        if from.element.is_multiple_of(2) { Hit { t: 1e-7, ..*from } } else { hit }
+    };
+    let report = measured_onward(&[], |_, _| {}, again);
+    let doubles = report.rows[0].errors.double_hits;
+    assert!(doubles > 100 && doubles < report.pixels, "{doubles}");
+    // Near, but another plane; and the same plane, but far.
+    let corner = |from: &Hit, _: &Ray, _: Hit| Hit {
+        t: 1e-7,
+        normal: DVec3::from(from.normal).any_orthonormal_vector().to_array(),
+        ..*from
+    };
+    assert_eq!(measured_onward(&[], |_, _| {}, corner).rows[0].errors.double_hits, 0);
+    let far = |from: &Hit, _: &Ray, _: Hit| Hit { t: 0.1, ..*from };
+    assert_eq!(measured_onward(&[], |_, _| {}, far).rows[0].errors.double_hits, 0);
+}
+
+/// Where a camera looks along a wall's plane, exact arithmetic knows of more than one answer.
+#[test]
+fn ties_are_no_errors() {
+    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    let scene = Arc::new(compile(&model, &CompileOptions::default()).unwrap().scene());
+    let truth = Arc::new(Truth::new(
+        &model,
+        |e| roles(&model, Untagged::default())[e.0 as usize],
+        &TruthOptions::default(),
+    ));
+    let judge = Judge { truth: &truth, model: &model };
+    let mut sum = Score::default();
+    let mut ties = 0;
+    // From the middle of a room at the corners of the triangles around it.
+    let eye = scene.rooms().next().unwrap();
+    let [lo, hi] = eye.bounds();
+    let eye = [0, 1, 2].map(|axis| (lo[axis] + hi[axis]) / 2.0);
+    for triangle in 0..scene.detail_triangle_count().min(2000) {
+        for corner in scene.triangle(triangle) {
+            let way = [0, 1, 2].map(|axis| corner[axis] - eye[axis]);
+            let ray = Ray::new(eye, way);
+            if way == [0.0; 3] {
+                continue;
+            }
+            let exact = truth.first(&ray);
+            ties += u32::from(exact.as_ref().is_some_and(First::is_tie));
+            let hit = scene.trace_with(Kernel::best(), Start::Anywhere, &ray, Want::LEAST);
+            let normal = (hit.triangle != NONE).then_some(hit.normal);
+            judge.add(&mut sum, &ray, exact.as_ref(), &hit, normal);
+        }
+    }
+    let errors = sum.errors();
+    assert!(ties > 20 && errors.wrong == 0, "{ties} {errors:?}");
+    assert!(errors.backward.largest <= truth.tolerance());
+}

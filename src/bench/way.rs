@@ -1,0 +1,28 @@
+//! What is measured: ways to answer rays.
+
+use crate::trace::{Hit, Ray};
+
+/// A way to answer rays that start in the air: enfilade's own, or another library's.
+pub trait Way: Sync {
+    /// Its name, of lower case and dashes.
+    fn name(&self) -> &str;
+
+    /// What each ray meets first: at least distance and element; [`Hit::ESCAPED`] for nothing. `hits` is as long as `rays`.
+    fn trace(&self, rays: &[Ray], hits: &mut [Hit]);
+
+    /// The same of rays each of which starts on what one of `from` met; by default as all others.
+    fn trace_onward(&self, from: &[Hit], rays: &[Ray], hits: &mut [Hit]) {
+        let _ = from;
+        self.trace(rays, hits);
+    }
+
+    /// The normal of what was met, of unit length, on either side; `None` if the way does not tell. Not a part of what is timed.
+    fn normal(&self, hit: &Hit) -> Option<[f64; 3]> {
+        (hit.normal != [0.0; 3]).then_some(hit.normal)
+    }
+
+    /// Whether it shares rays among threads by itself.
+    fn is_batch(&self) -> bool {
+        false
+    }
+}
