@@ -188,6 +188,14 @@ impl Scene {
     pub fn triangle(&self, index: u32) -> [[f64; 3]; 3] {
         self.tables.triangles[index as usize].map(|v| self.tables.vertices[v as usize])
     }
+
+    /// The index of the element that a triangle is part of.
+    ///
+    /// # Panics
+    /// If there is no triangle `index`.
+    pub fn triangle_element(&self, index: u32) -> u32 {
+        self.tables.record(index).element
+    }
 }
 
 impl std::fmt::Debug for Scene {

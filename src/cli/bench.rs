@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, Subcommand};
-use enfilade::bench::{
-    ErrorOptions, ErrorReport, FrozenScene, SpeedOptions, error, error_names, names, speed,
-};
+use enfilade::bench::{ErrorOptions, FrozenScene, SpeedOptions, error, error_names, names, speed};
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
 use enfilade::importers::{ImportOptions, Model};
+use enfilade::plan::{plan_png, plan_svg};
 use enfilade::render::{Camera, parse_cameras, room_views};
 use enfilade::{CompileOptions, Scene, compile};
 
@@ -18,6 +17,9 @@ use super::failure::{Failure, Outcome};
 use super::input::{Reading, Resources};
 use super::output;
 use super::render::{parse_picture_size, read_cameras};
+
+/// Pixels along the longer side of figures.
+const FIGURE: u32 = 1400;
 
 /// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong; with `cells`, how many cells rays
 /// cross.
@@ -31,6 +33,7 @@ Examples:
   enfilade bench house.enf --cams walk.txt --size 1024x1024 --repeat 9 --json
   enfilade bench --frozen build2
   enfilade bench error house.enf --model house.glb
+  enfilade bench error --frozen house --figure house.svg --figure house.png
   enfilade bench cells house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
@@ -60,12 +63,34 @@ enum What {
 #[derive(Args)]
 struct Error {
     /// The scene (.enf), or a model, which is compiled on the fly.
-    scene: PathBuf,
-    /// The model that the scene was compiled from: the truth.
+    #[arg(required_unless_present = "frozen")]
+    scene: Option<PathBuf>,
+    /// The model that the scene was compiled from: the truth. Not needed if that is what is compiled on the fly.
     #[arg(long, value_name = "MODEL")]
-    model: PathBuf,
+    model: Option<PathBuf>,
+    /// A scene of benches/scenes.toml, made anew and checked by its hash, with its cameras.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["scene", "model", "cams"])]
+    frozen: Option<String>,
+    /// Where to draw error against time: .svg, or .png. May be given more than once.
+    #[arg(long, value_name = "FILE")]
+    figure: Vec<PathBuf>,
+    /// Print the tables as Markdown.
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
     #[command(flatten)]
     common: Common,
+}
+
+impl Error {
+    fn model<'a>(&'a self, scene: &'a Path) -> Result<&'a Path, Failure> {
+        match &self.model {
+            Some(model) => Ok(model),
+            None if scene.extension().is_some_and(|extension| extension == "enf") => {
+                Err(Failure::usage("--model MODEL is needed: what was the scene compiled from?"))
+            }
+            None => Ok(scene),
+        }
+    }
 }
 
 #[derive(Args)]
@@ -161,7 +186,11 @@ pub fn frozen_model(name: &str) -> Result<(FrozenScene, Model), Failure> {
 /// A frozen scene and its cameras.
 fn frozen(name: &str) -> Result<(Arc<Scene>, Vec<Camera>), Failure> {
     let (frozen, model) = frozen_model(name)?;
-    let compiled = compile(&model, &CompileOptions::default()).map_err(|e| Failure::Input(e.into()))?;
+    compiled(&frozen, &model)
+}
+
+fn compiled(frozen: &FrozenScene, model: &Model) -> Result<(Arc<Scene>, Vec<Camera>), Failure> {
+    let compiled = compile(model, &CompileOptions::default()).map_err(|e| Failure::Input(e.into()))?;
     let scene = Arc::new(compiled.scene());
     let views = parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())
         .map_err(|e| Failure::Input(e.into()))?;
@@ -208,86 +237,39 @@ fn run_speed(
 fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
     let common = &arguments.common;
     common.pool().in_pool(|| {
-        let scene = common.scene(&arguments.scene)?;
-        let model = common.reading.model(&arguments.model, &common.resources)?;
-        let views = common.views(&scene)?;
+        let (name, scene, model, views) = match (&arguments.frozen, &arguments.scene) {
+            (Some(name), _) => {
+                let (frozen, model) = frozen_model(name)?;
+                let (scene, views) = compiled(&frozen, &model)?;
+                (name.clone(), scene, model, views)
+            }
+            (None, Some(path)) => {
+                let scene = common.scene(path)?;
+                let model = common.reading.model(arguments.model(path)?, &common.resources)?;
+                let views = common.views(&scene)?;
+                (path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), scene, model, views)
+            }
+            (None, None) => return Err(Failure::usage("which scene? see enfilade bench error --help")),
+        };
         let mut options = ErrorOptions::default();
         options.size = common.size;
         options.repeat = common.repeat;
         options.kernels = common.kernels(error_names())?;
         options.untagged = common.reading.untagged.untagged();
         let report = error(&scene, &model, &views, &[], &options).map_err(Failure::input)?;
+        for path in &arguments.figure {
+            let drawing = report.chart(&name);
+            let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+            let bytes = if is_png {
+                plan_png(&drawing, FIGURE).map_err(|e| Failure::usage(e.to_string()))?
+            } else {
+                plan_svg(&drawing).into_bytes()
+            };
+            output::write(Some(path), |out| out.write_all(&bytes))?;
+        }
         if common.json {
             return output::print_json(&report);
         }
-        output::print(&error_tables(&report))
+        output::print(&if arguments.markdown { report.markdown() } else { report.text() })
     })?
-}
-
-/// Time beside what is wrong, then how far right answers are off.
-fn error_tables(report: &ErrorReport) -> String {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        out,
-        "{}, {} thread(s), {} pixels of {} frames, {} of them with several exact answers, tolerance {} m",
-        report.machine, report.threads, report.pixels, report.frames, report.tied, report.tolerance
-    );
-    let _ = writeln!(
-        out,
-        "{:<18} {:>8} {:>9} {:>9} {:>7} {:>7} {:>7} {:>8} {:>7} {:>7}",
-        "kernel", "ns/ray", "frame ms", "differing", "ties", "beside", "wrong", "ppm", "leaks", "doubles"
-    );
-    for r in &report.rows {
-        let e = &r.errors;
-        let _ = writeln!(
-            out,
-            "{:<18} {:>8.1} {:>9.3} {:>9} {:>7} {:>7} {:>7} {:>8.2} {:>7} {:>7}",
-            r.kernel,
-            r.ns_per_ray,
-            r.frame_ms,
-            e.differing,
-            e.ties,
-            e.beside,
-            e.wrong,
-            e.wrong_ppm,
-            e.leaks,
-            e.double_hits
-        );
-    }
-    let _ = writeln!(
-        out,
-        "\n{:<18} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-        "kernel",
-        "max fwd m",
-        "mean",
-        "rms",
-        "max ulps",
-        "mean",
-        "max back m",
-        "rms",
-        "max rad",
-        "rmse",
-        "rel. mse"
-    );
-    for r in &report.rows {
-        let e = &r.errors;
-        let or_none = |number: Option<f64>| number.map_or("-".to_owned(), |number| format!("{number:.1e}"));
-        let _ = writeln!(
-            out,
-            "{:<18} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e} {:>9} {:>9} {:>9}",
-            r.kernel,
-            e.forward.largest,
-            e.forward.mean,
-            e.forward.rms,
-            e.ulps.largest,
-            e.ulps.mean,
-            e.backward.largest,
-            e.backward.rms,
-            or_none(e.normals.map(|normals| normals.largest)),
-            or_none(e.image.map(|image| image.rmse)),
-            or_none(e.image.map(|image| image.relative_mse))
-        );
-    }
-    out
 }

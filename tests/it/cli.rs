@@ -304,6 +304,13 @@ fn bench_measures_what_was_asked_for() {
     }
     assert!(list(&report, "rows").iter().any(|row| row["kernel"] == "enfilade-no-cells"));
     assert!(folder.run(&error).expect(0).text().contains("max fwd m"));
+    // What is compiled on the fly is its own truth; drawn, and as Markdown.
+    let drawn = ["--figure", "e.svg", "--figure", "e.png", "--markdown", "--kernels", "enfilade-portable"];
+    let on_the_fly = [&["bench", "error", &house][..], &small, &drawn].concat();
+    assert!(folder.run(&on_the_fly).expect(0).text().contains("| enfilade-portable | "));
+    let (svg, png) = (folder.read("e.svg"), folder.read("e.png"));
+    assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG"));
+    folder.run(&["bench", "error", "house.enf"]).expect_failure(2, &["--model"]);
 }
 
 #[test]

@@ -11,6 +11,7 @@
 
 mod crates;
 mod embree;
+mod errors;
 mod floor;
 mod own;
 mod report;
@@ -19,8 +20,10 @@ mod scenes;
 mod way;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Parser;
+use enfilade::plan::{plan_png, plan_svg};
 
 /// Compare enfilade with its peers on the same rays.
 #[derive(Parser)]
@@ -42,6 +45,9 @@ struct Arguments {
     /// Only ways whose name holds one of these.
     #[arg(long, value_name = "PART,...", value_delimiter = ',')]
     ways: Vec<String>,
+    /// Instead of times alone, time beside error of all ways on the frames, by exact arithmetic; `--plot` is then a folder, for a chart of each scene.
+    #[arg(long)]
+    errors: bool,
     /// Where to write the table as Markdown.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
@@ -60,6 +66,31 @@ fn median(times: &mut [f64]) -> f64 {
     if times.len() % 2 == 1 { times[middle] } else { (times[middle - 1] + times[middle]) / 2.0 }
 }
 
+/// Time beside error, scene by scene.
+fn errors(arguments: &Arguments, embree: Option<&Arc<embree::Embree>>) -> anyhow::Result<()> {
+    let (mut markdown, mut reports) = (String::new(), serde_json::Map::new());
+    for scene in scenes::scenes(arguments)? {
+        let scene = scene?;
+        let report = errors::errors(&scene, embree, arguments)?;
+        println!("{}\n{}", scene.name, report.text());
+        markdown.push_str(&format!("### {}\n\n{}\n", scene.name, report.markdown()));
+        if let Some(folder) = &arguments.plot {
+            std::fs::create_dir_all(folder)?;
+            let drawing = report.chart(&scene.name);
+            std::fs::write(folder.join(format!("{}.svg", scene.name)), plan_svg(&drawing))?;
+            std::fs::write(folder.join(format!("{}.png", scene.name)), plan_png(&drawing, 1400)?)?;
+        }
+        reports.insert(scene.name, serde_json::to_value(&report)?);
+    }
+    if let Some(path) = &arguments.markdown {
+        std::fs::write(path, markdown)?;
+    }
+    if let Some(path) = &arguments.json {
+        std::fs::write(path, serde_json::to_string_pretty(&reports)?)?;
+    }
+    Ok(())
+}
+
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
     // Frames and batches run on this thread alone; what builds scenes and hierarchies may use all.
@@ -70,6 +101,9 @@ fn main() -> anyhow::Result<()> {
             None
         }
     };
+    if arguments.errors {
+        return errors(&arguments, embree.as_ref());
+    }
     let floor = floor::measure(1024, 99);
     let mut table = report::Report::new(&arguments, embree.as_deref(), floor);
     println!("{}", table.head());

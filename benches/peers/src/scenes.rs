@@ -19,6 +19,7 @@ const MOST_VIEWS: usize = 20;
 /// A scene to measure.
 pub struct Measured {
     pub name: String,
+    pub model: Model,
     pub scene: Arc<Scene>,
     pub views: Vec<Camera>,
 }
@@ -34,17 +35,18 @@ fn frozen(name: &str) -> anyhow::Result<Measured> {
     tag(&mut model, &options)?;
     let scene = compiled(&model)?;
     let views = parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())?;
-    Ok(Measured { name: name.to_owned(), scene, views })
+    Ok(Measured { name: name.to_owned(), model, scene, views })
 }
 
 /// Two level views from the middle of each room, [`MOST_VIEWS`] at most.
 fn model(path: &Path) -> anyhow::Result<Measured> {
     let about = || path.display().to_string();
-    let scene = compiled(&import(path, &ImportOptions::default()).with_context(about)?)?;
+    let model = import(path, &ImportOptions::default()).with_context(about)?;
+    let scene = compiled(&model)?;
     let views = room_views(&scene, 2);
     let step = views.len().div_ceil(MOST_VIEWS).max(1);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Measured { name, scene, views: views.into_iter().step_by(step).collect() })
+    Ok(Measured { name, model, scene, views: views.into_iter().step_by(step).collect() })
 }
 
 /// All that the arguments name, one after the other; by default HOUSE and BUILD1 to BUILD3, furnished and bare.

@@ -1,7 +1,9 @@
 //! How right, beside how fast: every way to answer single rays against exact arithmetic on the model's triangles, on the pixels of frames.
 
+mod chart;
 mod image;
 mod score;
+mod table;
 #[cfg(test)]
 mod tests;
 

@@ -184,3 +184,58 @@ fn ties_are_no_errors() {
     assert!(ties > 20 && errors.wrong == 0, "{ties} {errors:?}");
     assert!(errors.backward.largest <= truth.tolerance());
 }
+
+fn row(kernel: &str, ns_per_ray: f64, rms: f64, wrong: u64) -> ErrorRow {
+    let backward = Spread { largest: rms, mean: rms, rms };
+    let errors = Errors { backward, wrong, differing: wrong, ..Errors::default() };
+    ErrorRow { kernel: kernel.to_owned(), frame_ms: 1.0, ns_per_ray, errors }
+}
+
+fn report_of(rows: Vec<ErrorRow>) -> ErrorReport {
+    let machine = "a machine".to_owned();
+    ErrorReport { version: "0", machine, threads: 1, tolerance: 1e-3, frames: 1, pixels: 100, tied: 3, rows }
+}
+
+#[test]
+fn the_front_has_those_that_none_is_better_than() {
+    let rows = [
+        row("slow and exact", 900.0, 0.0, 0),
+        row("fast and rough", 50.0, 1e-7, 0),
+        row("slower and rougher", 60.0, 1e-6, 0),
+        row("between", 100.0, 1e-12, 0),
+        row("as accurate, but slower", 110.0, 1e-12, 0),
+        row("fastest, but wrong", 10.0, 1e-15, 1),
+        row("as fast, but rougher", 100.0, 1e-9, 0),
+    ];
+    assert_eq!(chart::front(&rows), [1, 3, 0]);
+    assert_eq!(chart::front(&rows[5..6]), [0usize; 0]);
+}
+
+#[test]
+fn reports_are_drawn_and_written() {
+    let rows =
+        vec![row("one", 50.0, 1e-7, 0), row("two & more", 1234.5, 0.0, 0), row("three", 20.0, 1e-9, 7)];
+    let report = report_of(rows);
+    let svg = crate::plan::plan_svg(&report.chart("a house"));
+    for part in ["a house", "ns a ray", "1e1", "1e4", "1e-17", "1e-7", "2 two &amp; more", "3 three, 7 wrong"]
+    {
+        assert!(svg.contains(part), "{part}: {svg}");
+    }
+    // No way, one way, ways without errors.
+    for count in [0, 1] {
+        let few = report_of(report.rows[..count].to_vec());
+        assert!(!crate::plan::plan_png(&few.chart("few"), 300).unwrap().is_empty());
+        assert!(few.text().starts_with("a machine, 1 thread(s), 100 pixels of 1 frames, 3 of them"));
+    }
+    let text = report.text();
+    let line = text.lines().find(|line| line.starts_with("two & more")).unwrap();
+    assert_eq!(line.split_whitespace().nth(3), Some("1234.5"), "{line}");
+    // Columns are aligned.
+    let lengths: Vec<usize> = text.lines().skip(1).take(4).map(str::len).collect();
+    assert!(lengths.iter().all(|length| *length == lengths[0]), "{text}");
+    let markdown = report.markdown();
+    assert_eq!(markdown.matches("| three | ").count(), 2);
+    let row = markdown.lines().find(|line| line.starts_with("| three")).unwrap();
+    let head = markdown.lines().find(|line| line.starts_with("| way")).unwrap();
+    assert_eq!(row.matches('|').count(), head.matches('|').count());
+}

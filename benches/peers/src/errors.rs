@@ -1,0 +1,82 @@
+//! The peers among the ways whose errors are measured.
+//!
+//! They get rays as a caller has them, in f64, and what rounding them to f32 takes is part of their time here.
+
+use std::sync::Arc;
+
+use enfilade::bench::{ErrorOptions, ErrorReport, Way as Judged, error, error_names};
+use enfilade::{Hit, NONE, Ray, Scene};
+use glam::DVec3;
+
+use crate::embree::{Built, Embree, One, Quality};
+use crate::scenes::Measured;
+use crate::way::{Met, Rays, Way, soup};
+use crate::{Arguments, crates};
+
+/// A peer, on a scene's triangles.
+struct Peer<W> {
+    name: String,
+    scene: Arc<Scene>,
+    way: W,
+}
+
+impl<W: Way> Peer<W> {
+    fn new(scene: &Arc<Scene>, way: W) -> Peer<W> {
+        Peer { name: way.name(), scene: Arc::clone(scene), way }
+    }
+}
+
+impl<W: Way + Sync> Judged for Peer<W> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let rays = Rays::new(&self.scene, rays.to_vec(), vec![NONE; rays.len()]);
+        let mut met = vec![Met::NOTHING; rays.len()];
+        self.way.nearest(&rays, &mut met);
+        for (met, hit) in met.iter().zip(hits) {
+            *hit = Hit::ESCAPED;
+            if met.t.is_finite() && met.triangle < self.scene.detail_triangle_count() {
+                (hit.t, hit.triangle) = (met.t, met.triangle);
+                hit.element = self.scene.triangle_element(met.triangle);
+            }
+        }
+    }
+
+    /// Of the triangle as it was rounded.
+    fn normal(&self, hit: &Hit) -> Option<[f64; 3]> {
+        if hit.triangle >= self.scene.detail_triangle_count() {
+            return None;
+        }
+        let center = crate::way::center(&self.scene);
+        let [a, b, c] = self.scene.triangle(hit.triangle).map(|p| (DVec3::from(p) - center).as_vec3());
+        Some((b - a).cross(c - a).as_dvec3().try_normalize()?.to_array())
+    }
+}
+
+/// Measures all ways, and the peers, on one scene.
+pub fn errors(
+    measured: &Measured,
+    embree: Option<&Arc<Embree>>,
+    arguments: &Arguments,
+) -> anyhow::Result<ErrorReport> {
+    let scene = &measured.scene;
+    let soup = soup(scene);
+    let mut peers: Vec<Box<dyn Judged>> = Vec::new();
+    if let Some(embree) = embree {
+        for robust in [false, true] {
+            let built = Built::new(embree, &soup, Quality::High, robust);
+            peers.push(Box::new(Peer::new(scene, One(Arc::new(built)))));
+        }
+    }
+    peers.push(Box::new(Peer::new(scene, crates::Bvh::new(&soup))));
+    let others: Vec<&dyn Judged> = peers.iter().map(|peer| &**peer).collect();
+    let mut options = ErrorOptions::default();
+    options.size = (arguments.size, arguments.size);
+    options.repeat = arguments.repeat as u32;
+    options.kernels = error_names();
+    // One thread, as the others' times.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    Ok(pool.install(|| error(scene, &measured.model, &measured.views, &others, &options))?)
+}

@@ -1,0 +1,105 @@
+//! A report as text, and as Markdown.
+
+use std::fmt::Write;
+
+use super::{ErrorReport, ErrorRow};
+
+/// A column: its name, and what a row has there.
+type Column = (&'static str, fn(&ErrorRow) -> String);
+
+/// What is wrong, beside the time.
+const ANSWERS: &[Column] = &[
+    ("way", |r| r.kernel.clone()),
+    ("ns/ray", |r| format!("{:.1}", r.ns_per_ray)),
+    ("frame ms", |r| format!("{:.3}", r.frame_ms)),
+    ("differing", |r| r.errors.differing.to_string()),
+    ("ties", |r| r.errors.ties.to_string()),
+    ("beside", |r| r.errors.beside.to_string()),
+    ("wrong", |r| r.errors.wrong.to_string()),
+    ("ppm", |r| format!("{:.2}", r.errors.wrong_ppm)),
+    ("leaks", |r| r.errors.leaks.to_string()),
+    ("doubles", |r| r.errors.double_hits.to_string()),
+];
+
+/// How far right answers are off.
+const SIZES: &[Column] = &[
+    ("way", |r| r.kernel.clone()),
+    ("max fwd m", |r| short(r.errors.forward.largest)),
+    ("mean", |r| short(r.errors.forward.mean)),
+    ("rms", |r| short(r.errors.forward.rms)),
+    ("max ulps", |r| short(r.errors.ulps.largest)),
+    ("mean", |r| short(r.errors.ulps.mean)),
+    ("max back m", |r| short(r.errors.backward.largest)),
+    ("mean", |r| short(r.errors.backward.mean)),
+    ("rms", |r| short(r.errors.backward.rms)),
+    ("max rad", |r| or_dash(r.errors.normals.map(|normals| normals.largest))),
+    ("rmse", |r| or_dash(r.errors.image.map(|image| image.rmse))),
+    ("rel. mse", |r| or_dash(r.errors.image.map(|image| image.relative_mse))),
+    ("visible", |r| r.errors.image.map_or("-".to_owned(), |image| image.visible.to_string())),
+];
+
+fn short(number: f64) -> String {
+    format!("{number:.1e}")
+}
+
+fn or_dash(number: Option<f64>) -> String {
+    number.map_or("-".to_owned(), short)
+}
+
+impl ErrorReport {
+    fn head(&self) -> String {
+        format!(
+            "{}, {} thread(s), {} pixels of {} frames, {} of them with several exact answers, tolerance {} m",
+            self.machine, self.threads, self.pixels, self.frames, self.tied, self.tolerance
+        )
+    }
+
+    /// As aligned text: time beside what is wrong, then how far right answers are off.
+    pub fn text(&self) -> String {
+        let mut out = self.head();
+        for (number, columns) in [ANSWERS, SIZES].into_iter().enumerate() {
+            out.push_str(if number == 0 { "\n" } else { "\n\n" });
+            let lines: Vec<Vec<String>> = self.lines(columns);
+            let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max();
+            let widths: Vec<usize> =
+                (0..columns.len()).map(|column| width(column).unwrap_or_default()).collect();
+            for (i, line) in lines.iter().enumerate() {
+                out.push_str(if i == 0 { "" } else { "\n" });
+                for (column, (text, width)) in line.iter().zip(&widths).enumerate() {
+                    // Writing to a String cannot fail.
+                    let _ = match column {
+                        0 => write!(out, "{text:<width$}"),
+                        _ => write!(out, "  {text:>width$}"),
+                    };
+                }
+            }
+        }
+        out.push('\n');
+        out
+    }
+
+    /// As two tables of Markdown.
+    pub fn markdown(&self) -> String {
+        let mut out = self.head() + ".\n";
+        for columns in [ANSWERS, SIZES] {
+            for (i, line) in self.lines(columns).iter().enumerate() {
+                out.push_str(if i == 0 { "\n| " } else { "| " });
+                out.push_str(&line.join(" | "));
+                out.push_str(" |\n");
+                if i == 0 {
+                    out.push_str("|---");
+                    out.push_str(&"|---:".repeat(columns.len() - 1));
+                    out.push_str("|\n");
+                }
+            }
+        }
+        out
+    }
+
+    /// The names of columns, then what each row has there.
+    fn lines(&self, columns: &[Column]) -> Vec<Vec<String>> {
+        let names = columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let row = |row: &ErrorRow| columns.iter().map(|(_, of)| of(row)).collect();
+        std::iter::once(names).chain(self.rows.iter().map(row)).collect()
+    }
+}
