@@ -153,6 +153,48 @@ fn agree(a: f64, b: f64, tolerance: f64) -> bool {
     a == b || (a - b).abs() <= tolerance || (a.is_nan() && b.is_nan())
 }
 
+/// Threads on which ways are timed, apart from those that do the rest.
+pub(super) struct Timed {
+    #[cfg(feature = "rayon")]
+    pool: rayon::ThreadPool,
+}
+
+impl Timed {
+    pub(super) fn new(threads: usize) -> Result<Timed, super::ErrorFailure> {
+        #[cfg(feature = "rayon")]
+        {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let failed = |e: rayon::ThreadPoolBuildError| super::ErrorFailure::Threads(e.to_string());
+            Ok(Timed { pool: pool.map_err(failed)? })
+        }
+        #[cfg(not(feature = "rayon"))]
+        {
+            let _ = threads;
+            Ok(Timed {})
+        }
+    }
+
+    pub(super) fn threads(&self) -> usize {
+        self.install(threads)
+    }
+
+    /// How long a way takes for some rays, seconds.
+    pub(super) fn seconds(&self, way: &dyn Way, rays: &[Ray], hits: &mut [Hit]) -> f64 {
+        self.install(|| {
+            let start = Instant::now();
+            trace(way, rays, hits);
+            start.elapsed().as_secs_f64()
+        })
+    }
+
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        #[cfg(feature = "rayon")]
+        return self.pool.install(work);
+        #[cfg(not(feature = "rayon"))]
+        work()
+    }
+}
+
 /// One frame by one way, on all threads of the current pool.
 pub(super) fn trace(tracer: &dyn Way, rays: &[Ray], hits: &mut [Hit]) {
     #[cfg(feature = "rayon")]

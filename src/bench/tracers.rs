@@ -13,6 +13,7 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as SingleRay, RayHit};
 use obvhs::triangle::Triangle;
 
+use super::way::Way;
 use crate::compile::{CompileError, CompileOptions, compile};
 use crate::oracle::Truth;
 use crate::partition::Convexification;
@@ -22,10 +23,10 @@ use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
 /// A way to answer rays that start in the air.
 pub struct Tracer {
     name: String,
-    way: Way,
+    kind: Kind,
 }
 
-enum Way {
+enum Kind {
     Kernel(Kernel, Arc<Scene>),
     /// The same of rays that were rounded to f32.
     Narrow(Kernel, Arc<Scene>),
@@ -129,28 +130,28 @@ impl Tracer {
     ) -> Result<Option<Tracer>, CompileError> {
         let mut options = CompileOptions::default();
         (options.tolerance, options.untagged) = (scene.tolerance(), untagged);
-        let way = match name {
-            F32_RAYS => Way::Narrow(Kernel::best(), Arc::clone(scene)),
-            TRUTH => Way::Truth(Arc::clone(truth)),
+        let kind = match name {
+            F32_RAYS => Kind::Narrow(Kernel::best(), Arc::clone(scene)),
+            TRUTH => Kind::Truth(Arc::clone(truth)),
             NO_CELLS | DIAGONALS => {
                 if name == NO_CELLS {
                     options.cells = false;
                 } else {
                     options.convexification = Convexification::Diagonals;
                 }
-                Way::Kernel(Kernel::best(), Arc::new(compile(model, &options)?.scene()))
+                Kind::Kernel(Kernel::best(), Arc::new(compile(model, &options)?.scene()))
             }
             _ => return Ok(Tracer::by_name(name, scene)),
         };
-        Ok(Some(Tracer { name: name.to_owned(), way }))
+        Ok(Some(Tracer { name: name.to_owned(), kind }))
     }
 
     /// The way of this name, over the triangles of `scene`.
     pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
-        let way = if name == "enfilade-batch" {
-            Way::Batch(Arc::clone(scene))
+        let kind = if name == "enfilade-batch" {
+            Kind::Batch(Arc::clone(scene))
         } else if let Some(kernel) = name.strip_prefix("enfilade-") {
-            Way::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
+            Kind::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {
             let rounded = Rounded::new(scene);
             if rounded.triangles.is_empty() {
@@ -160,15 +161,15 @@ impl Tracer {
             let mut time = std::time::Duration::default();
             match name {
                 "obvhs-bvh2" => {
-                    Way::Bvh2(build_bvh2_from_tris(&rounded.triangles, params, &mut time), rounded)
+                    Kind::Bvh2(build_bvh2_from_tris(&rounded.triangles, params, &mut time), rounded)
                 }
                 "obvhs-cwbvh" => {
-                    Way::CwBvh(build_cwbvh_from_tris(&rounded.triangles, params, &mut time), rounded)
+                    Kind::CwBvh(build_cwbvh_from_tris(&rounded.triangles, params, &mut time), rounded)
                 }
                 _ => return None,
             }
         };
-        Some(Tracer { name: name.to_owned(), way })
+        Some(Tracer { name: name.to_owned(), kind })
     }
 
     /// Rays each of which starts where the last one did, or not, as a caller would ask who knows that.
@@ -194,17 +195,17 @@ impl Tracer {
     }
 }
 
-impl super::way::Way for Tracer {
+impl Way for Tracer {
     fn name(&self) -> &str {
         &self.name
     }
 
     fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
-        match &self.way {
-            Way::Kernel(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, |ray| *ray),
-            Way::Narrow(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, narrow),
-            Way::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
-            Way::Truth(truth) => {
+        match &self.kind {
+            Kind::Kernel(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, |ray| *ray),
+            Kind::Narrow(kernel, scene) => Tracer::trace_one_by_one(*kernel, scene, rays, hits, narrow),
+            Kind::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
+            Kind::Truth(truth) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = truth.nearest(ray).map_or(Hit::ESCAPED, |nearest| Hit {
                         t: nearest.t,
@@ -214,12 +215,12 @@ impl super::way::Way for Tracer {
                     });
                 }
             }
-            Way::Bvh2(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
+            Kind::Bvh2(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
                 bvh.ray_traverse(ray, found, |ray, place| {
                     rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)
                 })
             }),
-            Way::CwBvh(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
+            Kind::CwBvh(bvh, rounded) => rounded.trace(rays, hits, &bvh.primitive_indices, |ray, found| {
                 bvh.ray_traverse(ray, found, |ray, place| {
                     rounded.triangles[bvh.primitive_indices[place] as usize].intersect(ray)
                 })
@@ -233,17 +234,17 @@ impl super::way::Way for Tracer {
                 *hit = scene.trace_with(kernel, Start::Hit(from), &as_told(ray), Want::LEAST);
             }
         };
-        match &self.way {
-            Way::Kernel(kernel, scene) => one_by_one(*kernel, scene, hits, |ray| *ray),
-            Way::Narrow(kernel, scene) => one_by_one(*kernel, scene, hits, narrow),
-            Way::Batch(scene) => scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST),
+        match &self.kind {
+            Kind::Kernel(kernel, scene) => one_by_one(*kernel, scene, hits, |ray| *ray),
+            Kind::Narrow(kernel, scene) => one_by_one(*kernel, scene, hits, narrow),
+            Kind::Batch(scene) => scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST),
             _ => self.trace(rays, hits),
         }
     }
 
     fn normal(&self, hit: &Hit) -> Option<[f64; 3]> {
-        match &self.way {
-            Way::Bvh2(_, rounded) | Way::CwBvh(_, rounded) => {
+        match &self.kind {
+            Kind::Bvh2(_, rounded) | Kind::CwBvh(_, rounded) => {
                 let Triangle { v0, v1, v2 } = rounded.triangles.get(hit.triangle as usize)?;
                 Some((*v1 - *v0).cross(*v2 - *v0).as_dvec3().try_normalize()?.to_array())
             }
@@ -252,6 +253,6 @@ impl super::way::Way for Tracer {
     }
 
     fn is_batch(&self) -> bool {
-        matches!(self.way, Way::Batch(_))
+        matches!(self.kind, Kind::Batch(_))
     }
 }

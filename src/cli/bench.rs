@@ -236,7 +236,8 @@ fn run_speed(
 
 fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
     let common = &arguments.common;
-    common.pool().in_pool(|| {
+    // What was told is judged on all cores.
+    Resources { threads: 0, ..common.resources.clone() }.in_pool(|| {
         let (name, scene, model, views) = match (&arguments.frozen, &arguments.scene) {
             (Some(name), _) => {
                 let (frozen, model) = frozen_model(name)?;
@@ -255,7 +256,11 @@ fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
         options.size = common.size;
         options.repeat = common.repeat;
         options.kernels = common.kernels(error_names())?;
-        options.untagged = common.reading.untagged.untagged();
+        // A frozen scene is compiled with the usual options.
+        if arguments.frozen.is_none() {
+            options.untagged = common.reading.untagged.untagged();
+        }
+        options.threads = common.pool().threads;
         let report = error(&scene, &model, &views, &[], &options).map_err(Failure::input)?;
         for path in &arguments.figure {
             let drawing = report.chart(&name);

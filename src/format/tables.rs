@@ -376,7 +376,10 @@ impl<'a> Check<'a> {
         check(scene.slack >= 0.0 && scene.slack.is_finite(), "the slack is no number")?;
         check(scene.lattice_origin.iter().all(|c| within(*c)), "the lattice's origin is no number")?;
         let [cos, sin] = scene.lattice_turn;
-        check((cos * cos + sin * sin - 1.0).abs() <= 1e-9, "the lattice is turned by no angle")?;
+        // Where it is not turned nothing is.
+        let is_turned = sin != 0.0 || cos == 1.0;
+        let is_angle = (cos * cos + sin * sin - 1.0).abs() <= 1e-9 && is_turned;
+        check(is_angle, "the lattice is turned by no angle")?;
         check(scene.lattice_bits <= MOST_BITS, "the lattice is too fine")?;
         check(is_box(scene.zone), "the zone of the prisms is no box")?;
         check(scene.traits & !Traits::ALL == 0, "unknown traits")

@@ -237,6 +237,23 @@ fn parts_that_lie_over_each_other_are_refused() {
     );
 }
 
+/// Ways to look for a point that turn it, and ways that see that nothing is turned, must agree.
+#[test]
+fn lattices_that_are_turned_half_around_are_refused() {
+    let at = std::mem::offset_of!(enfilade::format::records::SceneRecord, lattice_turn);
+    for (cos, sin, is_fine) in [(1.0, 0.0, true), (-1.0, 0.0, false), (-1.0, -0.0, false), (0.5, 0.5, false)]
+    {
+        let mut file = house().to_vec();
+        let section = enf::section(&file, "scene");
+        let turn = [f64::to_le_bytes(cos), f64::to_le_bytes(sin)].concat();
+        enf::put(&mut file, section.start + at, &turn);
+        enf::seal(&mut file);
+        let opened = Scene::from_bytes(&file).map(|_| ()).map_err(|error| error.to_string());
+        let said = "section 'scene', item 0: the lattice is turned by no angle".to_owned();
+        assert_eq!(opened, if is_fine { Ok(()) } else { Err(said) });
+    }
+}
+
 /// Damages some bytes in one of many ways.
 fn damage(random: &mut Random, bytes: &mut [u8]) {
     let at = random.below(bytes.len());

@@ -1,17 +1,21 @@
 //! The peers among the ways whose errors are measured.
 //!
-//! They get rays as a caller has them, in f64, and what rounding them to f32 takes is part of their time here.
+//! They get rays as a caller has them, in f64: what rounding them to f32 takes, and looking up whose triangle was met, is part of their time here, as it is for
+//! the crates that `bench error` has by itself.
 
 use std::sync::Arc;
 
 use enfilade::bench::{ErrorOptions, ErrorReport, Way as Judged, error, error_names};
-use enfilade::{Hit, NONE, Ray, Scene};
+use enfilade::{Hit, Ray, Scene};
 use glam::DVec3;
 
 use crate::embree::{Built, Embree, One, Quality};
 use crate::scenes::Measured;
 use crate::way::{Met, Rays, Way, soup};
 use crate::{Arguments, crates};
+
+/// So many rays are rounded at a time: they stay in the nearest cache.
+const BLOCK: usize = 256;
 
 /// A peer, on a scene's triangles.
 struct Peer<W> {
@@ -32,14 +36,15 @@ impl<W: Way + Sync> Judged for Peer<W> {
     }
 
     fn trace(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let rays = Rays::new(&self.scene, rays.to_vec(), vec![NONE; rays.len()]);
-        let mut met = vec![Met::NOTHING; rays.len()];
-        self.way.nearest(&rays, &mut met);
-        for (met, hit) in met.iter().zip(hits) {
-            *hit = Hit::ESCAPED;
-            if met.t.is_finite() && met.triangle < self.scene.detail_triangle_count() {
-                (hit.t, hit.triangle) = (met.t, met.triangle);
-                hit.element = self.scene.triangle_element(met.triangle);
+        let mut met = [Met::NOTHING; BLOCK];
+        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
+            self.way.nearest(&Rays::rounded(&self.scene, rays), &mut met[..rays.len()]);
+            for (met, hit) in met.iter().zip(hits) {
+                *hit = Hit::ESCAPED;
+                if met.t.is_finite() && met.triangle < self.scene.detail_triangle_count() {
+                    (hit.t, hit.triangle) = (met.t, met.triangle);
+                    hit.element = self.scene.triangle_element(met.triangle);
+                }
             }
         }
     }
@@ -71,12 +76,14 @@ pub fn errors(
         }
     }
     peers.push(Box::new(Peer::new(scene, crates::Bvh::new(&soup))));
-    let others: Vec<&dyn Judged> = peers.iter().map(|peer| &**peer).collect();
+    let is_wanted = |name: &str| {
+        arguments.ways.is_empty() || arguments.ways.iter().any(|part| name.contains(part.as_str()))
+    };
+    let others: Vec<&dyn Judged> =
+        peers.iter().map(|peer| &**peer).filter(|peer| is_wanted(peer.name())).collect();
     let mut options = ErrorOptions::default();
     options.size = (arguments.size, arguments.size);
     options.repeat = arguments.repeat as u32;
-    options.kernels = error_names();
-    // One thread, as the others' times.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    Ok(pool.install(|| error(scene, &measured.model, &measured.views, &others, &options))?)
+    options.kernels = error_names().into_iter().filter(|name| is_wanted(name)).collect();
+    Ok(error(scene, &measured.model, &measured.views, &others, &options)?)
 }

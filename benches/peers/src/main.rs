@@ -45,14 +45,14 @@ struct Arguments {
     /// Only ways whose name holds one of these.
     #[arg(long, value_name = "PART,...", value_delimiter = ',')]
     ways: Vec<String>,
-    /// Instead of times alone, time beside error of all ways on the frames, by exact arithmetic; `--plot` is then a folder, for a chart of each scene.
+    /// Instead of times alone, time beside error of all ways on the frames, by exact arithmetic.
     #[arg(long)]
     errors: bool,
     /// Where to write the table as Markdown.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
-    /// Where to write the plot, SVG.
-    #[arg(long, value_name = "FILE")]
+    /// Where to write the plot, SVG; with `--errors` the folder for charts.
+    #[arg(long, value_name = "PATH")]
     plot: Option<PathBuf>,
     /// Where to write all figures as JSON.
     #[arg(long, value_name = "FILE")]

@@ -24,6 +24,12 @@ pub struct Rays {
 
 impl Rays {
     pub fn new(scene: &Scene, exact: Vec<Ray>, cells: Vec<u32>) -> Rays {
+        let Rays { singles, .. } = Rays::rounded(scene, &exact);
+        Rays { exact, cells, singles }
+    }
+
+    /// In f32 only.
+    pub fn rounded(scene: &Scene, exact: &[Ray]) -> Rays {
         let center = center(scene);
         let single = |ray: &Ray| {
             let direction = DVec3::from(ray.direction).normalize();
@@ -34,8 +40,7 @@ impl Rays {
                 tmax: ray.tmax as f32,
             }
         };
-        let singles = exact.iter().map(single).collect();
-        Rays { exact, cells, singles }
+        Rays { exact: Vec::new(), cells: Vec::new(), singles: exact.iter().map(single).collect() }
     }
 
     pub fn len(&self) -> usize {

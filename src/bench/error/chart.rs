@@ -93,9 +93,14 @@ impl ErrorReport {
         let mut shapes =
             vec![text([left, top + 0.4], 0.5, Anchor::Start, format!("{title}: error against time"))];
         for power in across.ends[0]..=across.ends[1] {
-            let x = across.place(10f64.powi(power));
-            shapes.push(lines(vec![vec![[x, bottom], [x, top]]], GREY, 0.02));
-            shapes.push(text([x, bottom - 0.5], 0.4, Anchor::Middle, format!("1e{power}")));
+            for step in [1.0, 2.0, 5.0] {
+                let time = step * 10f64.powi(power);
+                let x = across.place(time);
+                if x < right + 0.01 {
+                    shapes.push(lines(vec![vec![[x, bottom], [x, top]]], GREY, 0.02));
+                    shapes.push(text([x, bottom - 0.5], 0.4, Anchor::Middle, time.to_string()));
+                }
+            }
         }
         for power in up.ends[0]..=up.ends[1] {
             let y = up.place(10f64.powi(power));
@@ -120,7 +125,9 @@ impl ErrorReport {
             let name = format!("{} {}", number + 1, row.kernel);
             let wrong = if errors.wrong == 0 { String::new() } else { format!(", {} wrong", errors.wrong) };
             shapes.push(dot(at, 0.14, color, name.clone()));
-            shapes.push(text([at[0] + 0.2, at[1] + 0.1], 0.4, Anchor::Start, (number + 1).to_string()));
+            // Neighbours in the list, which are near each other here, too, above and below.
+            let aside = if number % 2 == 0 { 0.2 } else { -0.45 };
+            shapes.push(text([at[0], at[1] + aside], 0.4, Anchor::Middle, (number + 1).to_string()));
             let line = top - 0.3 - 0.62 * number as f64;
             shapes.push(dot([right + 0.4, line + 0.12], 0.12, color, String::new()));
             shapes.push(text([right + 0.7, line], 0.4, Anchor::Start, name + &wrong));

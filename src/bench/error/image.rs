@@ -14,6 +14,8 @@ const DARK: f64 = 0.01;
 /// How far a picture is off. Shades are between 0 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ImageError {
+    /// Pixels that were compared.
+    pub pixels: u64,
     /// The root of the mean square error.
     pub rmse: f64,
     /// The mean of squared errors, each divided by the square of the exact shade and a hundredth.
@@ -40,13 +42,10 @@ impl Sum {
         self.visible += u64::from((told - exact).abs() > 1.0 / 255.0);
     }
 
-    pub(super) fn count(&self) -> u64 {
-        self.count
-    }
-
     pub(super) fn error(&self) -> ImageError {
         let count = self.count.max(1) as f64;
         ImageError {
+            pixels: self.count,
             rmse: (self.squares / count).sqrt(),
             relative_mse: self.relative / count,
             visible: self.visible,

@@ -1,4 +1,5 @@
-//! How right, beside how fast: every way to answer single rays against exact arithmetic on the model's triangles, on the pixels of frames.
+//! How right, beside how fast: every way to answer rays against exact arithmetic on the model's triangles, on the pixels of frames. Whether an answer that
+//! is not exact is right by a ray beside is decided in f64, with a witness.
 
 mod chart;
 mod image;
@@ -8,13 +9,12 @@ mod table;
 mod tests;
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use enfilade_importers::{Model, Untagged};
 use glam::DVec3;
 use serde::Serialize;
 
-use super::speed::{machine, median, threads, trace};
+use super::speed::{Timed, machine, median};
 use super::tracers::{Tracer, error_names};
 use super::way::Way;
 use crate::compile::CompileError;
@@ -43,11 +43,14 @@ pub struct ErrorOptions {
     pub kernels: Vec<String>,
     /// As the model was compiled.
     pub untagged: Untagged,
+    /// On so many threads ways are timed; what they told is judged on all of the current pool.
+    pub threads: usize,
 }
 
 impl Default for ErrorOptions {
     fn default() -> ErrorOptions {
-        ErrorOptions { size: (256, 256), repeat: 3, kernels: error_names(), untagged: Untagged::default() }
+        let (size, untagged) = ((256, 256), Untagged::default());
+        ErrorOptions { size, repeat: 3, kernels: error_names(), untagged, threads: 1 }
     }
 }
 
@@ -98,6 +101,12 @@ pub enum ErrorFailure {
         /// Elements of the model.
         model: usize,
     },
+    /// There is nothing to look at.
+    #[error("no camera stands in the air, or pictures have no pixels")]
+    NoPixels,
+    /// The threads could not be started.
+    #[error("threads could not be started: {0}")]
+    Threads(String),
     /// The model could not be compiled another way.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -132,6 +141,10 @@ pub fn error(
     let (width, height) = options.size;
     let views: Vec<&Camera> =
         views.iter().filter(|camera| !matches!(scene.locate(camera.eye()), Place::InSolid(_))).collect();
+    if views.is_empty() || width == 0 || height == 0 {
+        return Err(ErrorFailure::NoPixels);
+    }
+    let timed = Timed::new(options.threads)?;
     let mut seconds = vec![0.0; ways.len()];
     let mut scores = vec![Score::default(); ways.len()];
     let judge = Judge { truth: &truth, model };
@@ -147,18 +160,18 @@ pub fn error(
         let mut times = vec![Vec::new(); ways.len()];
         for _ in 0..options.repeat.max(1) {
             for (i, way) in ways.iter().enumerate() {
-                let start = Instant::now();
-                trace(*way, &rays, &mut hits[i]);
-                times[i].push(start.elapsed().as_secs_f64());
+                times[i].push(timed.seconds(*way, &rays, &mut hits[i]));
             }
         }
         for (first, block) in rays.chunks(BLOCK).enumerate() {
             let exact = crate::parallel::map(block.len(), |ray| truth.first(&block[ray]));
             tied += exact.iter().flatten().filter(|first| first.is_tie()).count() as u64;
-            for (i, way) in ways.iter().enumerate() {
+            scores = crate::parallel::map(ways.len(), |i| {
                 let hits = &hits[i][first * BLOCK..first * BLOCK + block.len()];
-                score(&judge, *way, block, &exact, hits, &mut scores[i]);
-            }
+                let mut sum = scores[i];
+                score(&judge, ways[i], block, &exact, hits, &mut sum);
+                sum
+            });
         }
         for (seconds, times) in seconds.iter_mut().zip(&mut times) {
             *seconds += median(times);
@@ -173,7 +186,7 @@ pub fn error(
     Ok(ErrorReport {
         version: env!("CARGO_PKG_VERSION"),
         machine: machine(),
-        threads: threads(),
+        threads: timed.threads(),
         tolerance: scene.tolerance(),
         frames: views.len() as u64,
         pixels,

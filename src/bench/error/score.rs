@@ -5,8 +5,14 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::image::{self, ImageError};
-use crate::oracle::{First, Truth};
+use crate::oracle::{First, Truth, Verdict};
 use crate::trace::{Answer, Hit, Ray};
+
+/// Answers to rays farther aside than this, metres, are not those that rounding tells apart.
+const ROUNDING: f64 = 1e-9;
+
+/// Distances less than this, metres, have no units in the last place of their own.
+const SHORTEST: f64 = 1e-6;
 
 /// The greatest, the mean and the root of the mean square of errors; zeros of none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -45,12 +51,13 @@ impl Sum {
 /// The errors of one way. Lengths in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
-    /// Answers that are not the exact one: another element, nothing instead of something, or the reverse.
+    /// Answers that are not an exact one: another element, a distance off by more than the tolerance, nothing instead of something, or the reverse.
     pub differing: u64,
-    /// Of those, right ones where exact arithmetic knows several answers: the ray meets several triangles at the very place, or one on its border, or
-    /// runs in a triangle's plane.
+    /// Of those, the exact answers to rays no farther aside than rounding is, where a ray has several exact answers: it meets several triangles at the
+    /// very place, or one on its border, or runs in a triangle's plane.
     pub ties: u64,
-    /// Of those, the others that are the exact answer to a parallel ray within the tolerance.
+    /// Of those, the others that are right: the exact answer to a parallel ray within the tolerance, or of a surface flush with the exact one. In f64
+    /// ([`Truth::judge`]).
     pub beside: u64,
     /// Of those, the others: wrong.
     pub wrong: u64,
@@ -58,17 +65,17 @@ pub struct Errors {
     pub wrong_ppm: f64,
     /// Rays that escaped, though exactly they meet something.
     pub leaks: u64,
-    /// Rays on from what was met, as from a mirror, that met the very plane again.
-    pub double_hits: u64,
-    /// By how much distances are off, where the element is an exact one.
+    /// Rays on from what was met, as from a mirror, that met the very plane again; `None` if the way tells no normals.
+    pub double_hits: Option<u64>,
+    /// By how much distances are off, of answers that do not differ.
     pub forward: Spread,
     /// The same in units in the last place (f64) of the exact distance.
     pub ulps: Spread,
     /// How far away the parallel ray is whose exact answer was given, of right answers; for one on the ray itself, how far the distance is off.
     pub backward: Spread,
-    /// The angle, radians, between normals and those of the exact triangles; `None` if the way tells none.
+    /// The angle, radians, between the lines of normals and those of the exact triangles; `None` if the way tells none.
     pub normals: Option<Spread>,
-    /// How far a picture is off, shaded by a light at the camera; `None` if the way tells no normals.
+    /// How far a picture is off, shaded by a light at the camera, where the way tells a normal; `None` if it tells none.
     pub image: Option<ImageError>,
 }
 
@@ -133,7 +140,8 @@ impl Judge<'_> {
             score.backward.add(off);
             if let (Answer::Hit(hit), Some(first)) = (&answer, exact) {
                 score.forward.add(off);
-                score.ulps.add(off / (first.t.next_up() - first.t));
+                let t = first.t.max(SHORTEST);
+                score.ulps.add(off / (t.next_up() - t));
                 let angle = normal.and_then(|normal| {
                     self.normals(first, hit.element, ray).map(|exact| angle(normal, exact)).reduce(f64::min)
                 });
@@ -147,8 +155,13 @@ impl Judge<'_> {
             score.wrong += 1;
             return;
         }
-        score.backward.add(verdict.backward());
-        if exact.is_some_and(First::is_tie) { score.ties += 1 } else { score.beside += 1 }
+        let off = match (verdict, &answer, exact) {
+            (Verdict::Flush { .. }, Answer::Hit(hit), Some(first)) => first.off(hit.t).abs(),
+            _ => verdict.backward(),
+        };
+        score.backward.add(off);
+        let is_tie = off <= ROUNDING && exact.is_some_and(First::is_tie);
+        if is_tie { score.ties += 1 } else { score.beside += 1 }
     }
 
     /// What the answer does to a picture.
@@ -204,12 +217,12 @@ impl Score {
             wrong: self.wrong,
             wrong_ppm: self.wrong as f64 * 1e6 / self.rays.max(1) as f64,
             leaks: self.leaks,
-            double_hits: self.double_hits,
+            double_hits: (self.normals.count > 0).then_some(self.double_hits),
             forward: self.forward.spread(),
             ulps: self.ulps.spread(),
             backward: self.backward.spread(),
             normals: (self.normals.count > 0).then(|| self.normals.spread()),
-            image: (self.image.count() == self.rays && self.rays > 0).then(|| self.image.error()),
+            image: (self.normals.count > 0).then(|| self.image.error()),
         }
     }
 }
@@ -220,7 +233,7 @@ fn toward(normal: DVec3, ray: &Ray) -> Option<DVec3> {
     normal.is_finite().then_some(normal)
 }
 
-/// The angle between unit vectors, also where it is small.
+/// The angle between the lines of unit vectors, also where it is small: which side of a plane a ray comes from is in doubt where it runs along it.
 fn angle(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
+    a.cross(b).length().atan2(a.dot(b).abs())
 }

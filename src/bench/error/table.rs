@@ -18,7 +18,7 @@ const ANSWERS: &[Column] = &[
     ("wrong", |r| r.errors.wrong.to_string()),
     ("ppm", |r| format!("{:.2}", r.errors.wrong_ppm)),
     ("leaks", |r| r.errors.leaks.to_string()),
-    ("doubles", |r| r.errors.double_hits.to_string()),
+    ("doubles", |r| r.errors.double_hits.map_or("-".to_owned(), |count| count.to_string())),
 ];
 
 /// How far right answers are off.

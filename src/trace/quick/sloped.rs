@@ -120,7 +120,10 @@ mod tests {
                 continue;
             }
             let way = [0, 1, 2].map(|_| random.between(-1.0, 1.0));
-            let (ray, cell, starts) = (Ray::new(from, way), cell as u32, random.below(2) == 0);
+            let (cell, starts) = (cell as u32, random.below(2) == 0);
+            // Where it only came into the cell it started anywhere before.
+            let back = if starts { 0.0 } else { random.between(0.0, 4.0) };
+            let ray = Ray::new([0, 1, 2].map(|axis| from[axis] - back * way[axis]), way);
             let Some(slow) = slowly(tables, &ray, cell, EXACT, starts) else { continue };
             all += 1;
             let Some(exit) = sloped::<Portable>(tables, &ray, cell, starts) else { continue };
