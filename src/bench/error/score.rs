@@ -87,6 +87,8 @@ pub(super) struct Score {
     beside: u64,
     wrong: u64,
     leaks: u64,
+    /// Hits of which a normal was told.
+    with_normals: u64,
     double_hits: u64,
     forward: Sum,
     ulps: Sum,
@@ -127,6 +129,7 @@ impl Judge<'_> {
         score.rays += 1;
         let answer = hit.answer();
         let normal = normal.and_then(|normal| toward(DVec3::from(normal).try_normalize()?, ray));
+        score.with_normals += u64::from(normal.is_some());
         self.look(score, ray, exact, &answer, normal);
         let off = match (&answer, exact) {
             (Answer::Hit(hit), Some(first)) => {
@@ -210,6 +213,7 @@ impl Judge<'_> {
 
 impl Score {
     pub(super) fn errors(&self) -> Errors {
+        let tells_normals = self.with_normals > 0;
         Errors {
             differing: self.ties + self.beside + self.wrong,
             ties: self.ties,
@@ -217,12 +221,12 @@ impl Score {
             wrong: self.wrong,
             wrong_ppm: self.wrong as f64 * 1e6 / self.rays.max(1) as f64,
             leaks: self.leaks,
-            double_hits: (self.normals.count > 0).then_some(self.double_hits),
+            double_hits: tells_normals.then_some(self.double_hits),
             forward: self.forward.spread(),
             ulps: self.ulps.spread(),
             backward: self.backward.spread(),
-            normals: (self.normals.count > 0).then(|| self.normals.spread()),
-            image: (self.normals.count > 0).then(|| self.image.error()),
+            normals: tells_normals.then(|| self.normals.spread()),
+            image: tells_normals.then(|| self.image.error()),
         }
     }
 }
