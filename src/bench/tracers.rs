@@ -86,7 +86,7 @@ impl Rounded {
         if !is_hit {
             return Hit::ESCAPED;
         }
-        let element = self.scene.tables.record(hit.primitive_id).element;
+        let element = self.scene.triangle_element(hit.primitive_id);
         Hit { t: f64::from(hit.t), element, triangle: hit.primitive_id, ..Hit::ESCAPED }
     }
 }

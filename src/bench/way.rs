@@ -4,7 +4,7 @@ use crate::trace::{Hit, Ray};
 
 /// A way to answer rays that start in the air: enfilade's own, or another library's.
 pub trait Way: Sync {
-    /// Its name, of lower case and dashes.
+    /// Its name.
     fn name(&self) -> &str;
 
     /// What each ray meets first: at least distance and element; [`Hit::ESCAPED`] for nothing. `hits` is as long as `rays`.

@@ -137,22 +137,16 @@ fn holds<L: Lanes>(tables: &Views, cell: u32, [x, y, z]: [f64; 3], rounding: f32
     let is_off = L::splat(f32::MIN_POSITIVE).le(L::splat((BLURRED - over) as f32));
     let (inward, size) = step.inward::<L>([x, y]);
     let rounding = f64::from(rounding);
-    if L::bits(L::and_not(is_off, size.mul(L::splat((BLURRED + rounding) as f32)).le(inward))) != 0xff
+    let surely = size.mul(L::splat((BLURRED + rounding) as f32)).le(inward);
+    if L::bits(L::and_not(is_off, surely)) != 0xff {
+        let perhaps = size.mul(L::splat((BLURRED - rounding) as f32)).le(inward);
         // Only where f32 cannot tell.
-        && (L::bits(L::and_not(is_off, size.mul(L::splat((BLURRED - rounding) as f32)).le(inward))) != 0xff
-            || !is_well_within(step, [x, y]))
-    {
-        return false;
+        if L::bits(L::and_not(is_off, perhaps)) != 0xff || !is_well_within(step, [x, y]) {
+            return false;
+        }
     }
     !step.is_sloped()
         || Prisms::new(tables).nearly_holds(&tables.cells[cell as usize], DVec3::new(x, y, z), -BLURRED)
-}
-
-/// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other
-/// along each axis. No closure, which may not be compiled for the kernel's instructions.
-#[inline(always)]
-pub(super) fn beyond<L: Lanes>(inward: L, size: L, margin: f64) -> u32 {
-    L::bits(size.mul(L::splat(margin as f32)).le(inward))
 }
 
 /// Whether a point is in the footprint of a step, farther from its border than cells differ from the model.

@@ -22,7 +22,6 @@ use glam::DVec3;
 use super::NONE;
 use super::cost::Count;
 use super::entries::Entries;
-use super::free::beyond;
 use super::kernel::Ask;
 use super::lanes::Lanes;
 use super::path::{BLURRED, NEAR};
@@ -391,6 +390,13 @@ pub(super) fn may_meet<L: Lanes>(
     // A little more, for what f32 made of it.
     let range = [-slack, until + until * 2e-6 + slack];
     Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, range))
+}
+
+/// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other
+/// along each axis.
+#[inline(always)]
+fn beyond<L: Lanes>(inward: L, size: L, margin: f64) -> u32 {
+    L::bits(size.mul(L::splat(margin as f32)).le(inward))
 }
 
 /// The ray's direction at unit length.
