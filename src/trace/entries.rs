@@ -115,7 +115,7 @@ pub(super) mod portable {
 
     /// The prism of air that holds a point, where that is in no doubt.
     #[inline(never)]
-    pub(in crate::trace) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+    pub(in crate::trace) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
         free::free::<Portable>(tables, point, hint)
     }
 
@@ -181,7 +181,7 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn free_here(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+        fn free_here(tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
             free::free::<$lanes>(tables, point, hint)
         }
 
@@ -340,7 +340,7 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+        pub(super) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { free_here(tables, point, hint) }

@@ -83,7 +83,7 @@ impl Kernel {
 
     /// The prism of air that holds a point, where that is in no doubt; perhaps `hint`.
     #[inline]
-    pub(super) fn free(self, tables: &Views, point: [f64; 3], hint: u32) -> Option<u32> {
+    pub(super) fn free(self, tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
         match self.0 {
             Set::Portable => portable::free(tables, point, hint),
             #[cfg(target_arch = "x86_64")]

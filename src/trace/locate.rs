@@ -9,6 +9,7 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
+use super::begin::{ASIDE, aside};
 use super::free::local;
 use super::path::Prisms;
 use crate::format::records::{CellRecord, VolumeRecord};
@@ -48,8 +49,12 @@ impl Scene {
         if !self.is_in_hull(point) {
             return Place::Outside;
         }
-        match self.free_cell_near(point, hint) {
-            Some(cell) => self.place_in(cell),
+        match self.kernel.free(&self.tables, point, hint) {
+            Some((cell, true)) => self.place_in(cell),
+            Some((cell, false)) => match self.solid_at(point) {
+                Some(element) => Place::InSolid(element),
+                None => self.place_in(cell),
+            },
             None => self.place_in_doubt(point),
         }
     }
@@ -97,13 +102,13 @@ impl Scene {
     }
 
     /// The air of a prism.
-    fn place_in(&self, cell: u32) -> Place {
+    pub(super) fn place_in(&self, cell: u32) -> Place {
         let CellRecord { semantic, room, .. } = self.tables.cells[cell as usize];
         let label = Semantic::from_number(semantic.into()).unwrap_or_default();
         Place::Air { cell, label, room: (room != NONE).then_some(room) }
     }
 
-    /// The prism of air that holds a point, where that is in no doubt.
+    /// The prism of air that holds a point, where that is in no doubt: a ray from there begins nowhere else.
     #[inline]
     pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
         self.free_cell_near(point, NONE)
@@ -118,7 +123,33 @@ impl Scene {
     /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
     #[inline]
     pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
-        self.kernel.free(&self.tables, point, hint)
+        match self.kernel.free(&self.tables, point, hint) {
+            Some((cell, true)) => Some(cell),
+            Some((cell, false)) => self.is_beside_solids(point).then_some(cell),
+            None => self.free_cell_at_border(point),
+        }
+    }
+
+    /// The same of a point that may be at the border of cells: the one in which a ray from there starts that knows of none.
+    #[cold]
+    #[inline(never)]
+    fn free_cell_at_border(&self, point: [f64; 3]) -> Option<u32> {
+        if self.tables.cells.len() == 1 {
+            return None;
+        }
+        let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));
+        let cell = prisms.place(prisms.local(middle), prisms.rounding().min(self.tolerance()))?;
+        let is_clear = || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point);
+        (prisms.cells[cell as usize].kind == CellRecord::AIR && is_clear()).then_some(cell)
+    }
+
+    /// Whether no solid holds a point, nor where [`Scene::begin`] looks beside it first.
+    #[cold]
+    #[inline(never)]
+    fn is_beside_solids(&self, point: [f64; 3]) -> bool {
+        let middle = DVec3::from(point);
+        let way = ASIDE[0] * aside(middle);
+        [middle, middle + way, middle - way].iter().all(|point| self.solid_at(point.to_array()).is_none())
     }
 
     /// The smallest room that holds `point`.

@@ -94,13 +94,8 @@ pub struct ErrorReport {
 #[non_exhaustive]
 pub enum ErrorFailure {
     /// The scene is none of the model.
-    #[error("the scene was not compiled from this model: it has {scene} elements, the model {model}")]
-    OtherModel {
-        /// Elements of the scene.
-        scene: u32,
-        /// Elements of the model.
-        model: usize,
-    },
+    #[error("the scene was not compiled from this model: their elements differ")]
+    OtherModel,
     /// There is nothing to look at.
     #[error("no camera stands in the air, or pictures have no pixels")]
     NoPixels,
@@ -123,8 +118,10 @@ pub fn error(
     others: &[&dyn Way],
     options: &ErrorOptions,
 ) -> Result<ErrorReport, ErrorFailure> {
-    if scene.element_count() as usize != model.elements.len() {
-        return Err(ErrorFailure::OtherModel { scene: scene.element_count(), model: model.elements.len() });
+    // What was found in the building comes after what the model says.
+    let own = scene.elements().filter(|element| !element.is_derived());
+    if !own.map(|element| element.id()).eq(model.elements.iter().map(|element| element.id.as_str())) {
+        return Err(ErrorFailure::OtherModel);
     }
     let roles = roles(model, options.untagged);
     let truth = Arc::new(Truth::new(

@@ -42,7 +42,16 @@ fn measured_onward(
     change: impl Fn(usize, &mut Hit) + Sync,
     onward: impl Fn(&Hit, &Ray, Hit) -> Hit + Sync,
 ) -> ErrorReport {
-    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    measured_on(&Style::exact(), names, change, onward)
+}
+
+fn measured_on(
+    style: &Style,
+    names: &[&str],
+    change: impl Fn(usize, &mut Hit) + Sync,
+    onward: impl Fn(&Hit, &Ray, Hit) -> Hit + Sync,
+) -> ErrorReport {
+    let model = house(&HouseOptions::default()).export(style).to_model().unwrap();
     let scene = Arc::new(compile(&model, &CompileOptions::default()).unwrap().scene());
     let views: Vec<Camera> = room_views(&scene, 1).into_iter().take(3).collect();
     let kernels = names.iter().map(|name| (*name).to_owned()).collect();
@@ -80,6 +89,15 @@ fn every_way_has_its_row_and_enfilade_no_errors() {
         assert!(rounded(name).largest > 1e-8, "{name}");
     }
     assert!(report.rows.iter().any(|row| row.kernel == "truth-f64" && row.errors.normals.is_none()));
+}
+
+/// Rooms and openings that the compiler finds are elements of the scene, and none of the model.
+#[test]
+fn a_scene_in_which_openings_were_found_is_of_its_model() {
+    let mut style = Style::exact();
+    style.openings_missing = 1.0;
+    let report = measured_on(&style, &["enfilade-portable"], |_, _| {}, |_, _, hit| hit);
+    assert!(report.rows.iter().all(|row| row.errors.wrong == 0), "{report:?}");
 }
 
 #[test]
