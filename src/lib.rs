@@ -95,6 +95,8 @@ pub mod sew;
 mod shells;
 #[cfg(feature = "compile")]
 mod splitmix;
+#[cfg(feature = "compile")]
+pub mod stress;
 pub mod trace;
 #[cfg(feature = "compile")]
 pub mod validate;

@@ -20,6 +20,8 @@ mod tracer;
 pub use report::{Case, ErrorStats, KindTally, Said, Tally, VerifyReport};
 pub use sight::{Sight, SightTally};
 
+pub(crate) use sight::part_of;
+
 pub use standing::{standing, tell_sheets, without};
 pub use tracer::{Tracer, sees};
 

@@ -15,6 +15,7 @@ mod output;
 mod plan;
 mod render;
 mod space;
+mod stress;
 mod style;
 mod trace;
 mod validate;
@@ -61,6 +62,7 @@ enum Command {
     Export(export::Arguments),
     Verify(verify::Arguments),
     Bench(bench::Arguments),
+    Stress(stress::Arguments),
     Generate(generate::Arguments),
     /// Print the shipped table of tagging rules, to read or to edit (see --rules).
     Rules,
@@ -100,6 +102,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Export(arguments) => export::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Rules => output::print(enfilade::importers::tagging::Rules::shipped_text()),
         Command::Completions { shell } => {

@@ -31,6 +31,8 @@ pub use rays::{RayKind, RaySource};
 pub use right::{Judgement, Verdict, Why};
 pub use soup::Nearest;
 
+pub(crate) use random::Random;
+
 use brute::Brute;
 use grid::Grid;
 use shell::Body;

@@ -59,7 +59,7 @@ impl SightTally {
         rays: &[(u64, Ray, Answer)],
     ) -> SightTally {
         let ends = rays.iter().map(|(index, ray, answer)| {
-            end(answer, tolerance, seed ^ index)
+            part_of(answer, tolerance, seed ^ index)
                 .map(|(tmax, occluded)| (*index, Ray { tmax, ..*ray }, occluded))
         });
         let asked: Vec<(u64, Ray, bool)> = ends.flatten().collect();
@@ -83,7 +83,7 @@ impl SightTally {
 
 /// Where to end a ray, and whether anything is in the way then; `None` where that is a matter of the tolerance: a ray may start on what it
 /// meets, or so near behind a surface that it counts as on the other side of it.
-fn end(answer: &Answer, tolerance: f64, number: u64) -> Option<(f64, bool)> {
+pub(crate) fn part_of(answer: &Answer, tolerance: f64, number: u64) -> Option<(f64, bool)> {
     let mut random = SplitMix64::new(number);
     // Many near the end of the way.
     let near = random.unit().powi(4);
@@ -108,7 +108,7 @@ mod tests {
         let tolerance = 1e-3;
         let hit = |t: f64| Answer::Hit(Hit { t, ..Hit::ESCAPED });
         let ends = |answer: Answer| -> Vec<(f64, bool)> {
-            (0..2000).filter_map(|number| end(&answer, tolerance, number)).collect()
+            (0..2000).filter_map(|number| part_of(&answer, tolerance, number)).collect()
         };
         // It may start within the tolerance behind a surface, and is free from there on.
         assert!(ends(hit(0.0)).is_empty() && ends(hit(4e-3)).is_empty());

@@ -53,6 +53,7 @@ fn measured_on(
 ) -> ErrorReport {
     let model = house(&HouseOptions::default()).export(style).to_model().unwrap();
     let scene = Arc::new(compile(&model, &CompileOptions::default()).unwrap().scene());
+    assert_eq!(scene.elements().any(|element| element.is_derived()), style.openings_missing > 0.0);
     let views: Vec<Camera> = room_views(&scene, 1).into_iter().take(3).collect();
     let kernels = names.iter().map(|name| (*name).to_owned()).collect();
     let options = ErrorOptions { size: (24, 20), repeat: 1, kernels, ..ErrorOptions::default() };

@@ -1,0 +1,113 @@
+//! `enfilade stress`.
+
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use enfilade::importers::Watch;
+use enfilade::stress::{Family, StressOptions, stress, trials};
+
+use super::failure::{Failure, Outcome};
+use super::input::Resources;
+use super::output;
+
+/// Send rays that are hard on numbers through scenes that are, by every kernel, alone and in batches, and judge each answer by the
+/// truth and in exact arithmetic (docs/STRESS.md).
+///
+/// Ends with exit code 1 on any wrong answer, leak, panic, disagreement between ways, or where it is stuck. The report depends on the options alone, but for times.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  enfilade stress                                       a minute\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000"
+)]
+pub struct Arguments {
+    /// Rays in all, shared evenly among trials and families.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    rays: u64,
+    /// Run the trials of the long mode, too.
+    #[arg(long)]
+    long: bool,
+    /// Only trials whose name holds one of these.
+    #[arg(long, value_name = "PART,...", value_delimiter = ',')]
+    trials: Vec<String>,
+    /// Only these families of rays.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = parse_family)]
+    families: Vec<Family>,
+    /// Where the random numbers start.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Without any progress for so long it is stuck.
+    #[arg(long, value_name = "SECONDS", default_value_t = 900)]
+    stuck_after: u64,
+    /// Print the names of the trials, and end.
+    #[arg(long)]
+    list: bool,
+    /// Print the report as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    resources: Resources,
+}
+
+fn parse_family(name: &str) -> Result<Family, String> {
+    let names = || Family::ALL.map(Family::name).join(", ");
+    Family::ALL.into_iter().find(|family| family.name() == name).ok_or_else(|| format!("one of {}", names()))
+}
+
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let is_wanted = |name: &str| {
+        arguments.trials.is_empty() || arguments.trials.iter().any(|part| name.contains(part.as_str()))
+    };
+    let names: Vec<String> = trials(arguments.long, arguments.seed)
+        .into_iter()
+        .map(|trial| trial.name)
+        .filter(|name| is_wanted(name))
+        .collect();
+    if names.is_empty() {
+        return Err(Failure::usage("no such trial: see --list, and --long --list"));
+    }
+    if arguments.list {
+        return output::print(&(names.join("\n") + "\n"));
+    }
+    let mut options = StressOptions::default();
+    options.rays = arguments.rays;
+    options.long = arguments.long;
+    options.trials = arguments.trials.clone();
+    options.families = arguments.families.clone();
+    options.seed = arguments.seed;
+
+    // What never ends cannot tell so: another thread waits for signs of life.
+    let seen = Arc::new(Mutex::new((Instant::now(), String::new())));
+    let (bar, signs) = (arguments.resources.watch(), Arc::clone(&seen));
+    options.watch = Watch::default().with_progress(move |stage, done| {
+        *signs.lock().unwrap_or_else(PoisonError::into_inner) = (Instant::now(), stage.to_owned());
+        bar.report(stage, done);
+    });
+    let (tell, told) = channel();
+    let resources = arguments.resources.clone();
+    std::thread::spawn(move || {
+        // Nobody listens any more where it was called stuck.
+        let _ = tell.send(resources.in_pool(|| stress(&options)));
+    });
+    let report = loop {
+        match told.recv_timeout(Duration::from_secs(1)) {
+            Ok(report) => break report?.map_err(Failure::input)?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(Failure::input("the run ended without a word"));
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                let (last, stage) = &*seen.lock().unwrap_or_else(PoisonError::into_inner);
+                if last.elapsed().as_secs() > arguments.stuck_after {
+                    output::print(&format!("stuck for {} s: {stage}\n", arguments.stuck_after))?;
+                    return Ok(Outcome::Findings);
+                }
+            }
+        }
+    };
+    if arguments.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    Ok(if report.passed() { Outcome::Fine } else { Outcome::Findings })
+}

@@ -1,0 +1,236 @@
+//! Some rays of one family through all ways to answer them.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::rays::{Family, Source};
+use super::report::{Counts, StressCase};
+use crate::oracle::{Truth, Verdict};
+use crate::scene::Scene;
+use crate::trace::{Answer, Brief, Hit, Kernel, Ray, Start, Starts, Want};
+use crate::verify::part_of;
+
+/// How far, metres for each metre and one, two answers in f64 to the same ray may be apart by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What rays are sent through.
+pub(super) struct Stage<'a> {
+    pub(super) trial: &'a str,
+    pub(super) scene: &'a Scene,
+    pub(super) truth: &'a Truth,
+    pub(super) source: Source<'a>,
+    /// No ray from its start may escape.
+    pub(super) is_closed: bool,
+    /// Cases that are kept.
+    pub(super) most: usize,
+}
+
+/// What some rays did.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    pub(super) counts: Counts,
+    pub(super) cases: Vec<StressCase>,
+}
+
+impl Found {
+    pub(super) fn merge(&mut self, other: Found, most: usize) {
+        self.counts.add(&other.counts);
+        self.cases.extend(other.cases);
+        self.cases.truncate(most);
+    }
+}
+
+/// Whether two records are the same in every bit that says what was met.
+fn is_same(a: &Hit, b: &Hit) -> bool {
+    let numbers = |hit: &Hit| {
+        let floats =
+            [hit.t, hit.point[0], hit.point[1], hit.point[2], hit.normal[0], hit.normal[1], hit.normal[2]];
+        (floats.map(f64::to_bits), [hit.element, hit.semantic, hit.material, hit.cell, hit.triangle])
+    };
+    numbers(a) == numbers(b)
+}
+
+impl Stage<'_> {
+    /// Sends rays of a family. What panics is found by sending them one by one.
+    pub(super) fn block(&self, family: Family, indices: std::ops::Range<u64>) -> Found {
+        let start = Instant::now();
+        let caught = |indices: std::ops::Range<u64>| {
+            catch_unwind(AssertUnwindSafe(|| self.send(family, indices))).ok()
+        };
+        let mut found = caught(indices.clone()).unwrap_or_else(|| {
+            let mut found = Found::default();
+            for index in indices.clone() {
+                let alone = caught(index..index + 1).unwrap_or_else(|| {
+                    let mut found = Found::default();
+                    (found.counts.rays, found.counts.panics) = (1, 1);
+                    found.cases.push(self.case(family, index, None, "panics"));
+                    found
+                });
+                found.merge(alone, self.most);
+            }
+            found
+        });
+        let seconds = start.elapsed().as_secs_f64() / (indices.end - indices.start).max(1) as f64;
+        found.counts.slowest_us = seconds * 1e6;
+        found
+    }
+
+    fn case(&self, family: Family, index: u64, ray: Option<&Ray>, what: &str) -> StressCase {
+        let ray = ray.copied().unwrap_or(Ray::new([f64::NAN; 3], [f64::NAN; 3]));
+        let Ray { origin, direction, tmin, tmax } = ray;
+        let (trial, what) = (self.trial.to_owned(), what.to_owned());
+        StressCase { trial, family, index, origin, direction, limits: [tmin, tmax], what }
+    }
+
+    fn send(&self, family: Family, indices: std::ops::Range<u64>) -> Found {
+        let first = indices.start;
+        let rays: Vec<Ray> = indices.map(|index| self.source.ray(family, index)).collect();
+        let mut found = Found::default();
+        let hits: Vec<Hit> =
+            rays.iter().map(|ray| self.scene.trace_from(Start::Anywhere, ray, Want::LEAST)).collect();
+        for (number, unlike) in self.unlike(&rays, &hits) {
+            found.counts.unlike += 1;
+            let what = format!("{unlike} says something else than a single ray");
+            found.cases.push(self.case(family, first + number as u64, rays.get(number), &what));
+        }
+        let mut onward: Vec<(usize, Ray)> = Vec::new();
+        for (number, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
+            let what = self.judge(ray, &hit.answer(), &mut found.counts);
+            if let Some(what) = what {
+                found.cases.push(self.case(family, first + number as u64, Some(ray), &what));
+            } else if let Answer::Hit(hit) = hit.answer()
+                && number % 4 == 0
+            {
+                onward.extend(mirrored(ray, &hit).map(|ray| (number, ray)));
+            }
+        }
+        for (number, ray) in onward {
+            let from = &hits[number];
+            let hit = self.scene.trace_from(Start::Hit(from), &ray, Want::LEAST);
+            found.counts.onward += 1;
+            if is_double(from, &hit, self.truth.tolerance()) {
+                found.counts.doubles += 1;
+                found.cases.push(self.case(family, first + number as u64, Some(&ray), "met twice"));
+            }
+            if !self.truth.judge(&ray, &hit.answer()).verdict.is_right() {
+                found.counts.wrong_onward += 1;
+                let what = format!("on from there, wrong: {:?}", hit.answer());
+                found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
+            }
+        }
+        found.cases.truncate(self.most);
+        found
+    }
+
+    /// Judges an answer by itself; what is bad about it.
+    fn judge(&self, ray: &Ray, answer: &Answer, counts: &mut Counts) -> Option<String> {
+        counts.rays += 1;
+        let judgement = self.truth.judge(ray, answer);
+        let is_leak = self.is_closed && *answer == Answer::Escaped && ray.tmax == f64::INFINITY;
+        match judgement.verdict {
+            Verdict::Exact => counts.exact += 1,
+            Verdict::Close { .. } => counts.close += 1,
+            Verdict::Flush { .. } => counts.flush += 1,
+            Verdict::InSolidAgreed => counts.in_solid += 1,
+            Verdict::Edge { .. } | Verdict::InSolidEdge { .. } => {
+                // Of two exact answers one may be as right as the other.
+                let is_tie = self.truth.first(ray).is_none_or(|first| first.is_tie());
+                if is_tie { counts.ties += 1 } else { counts.beside += 1 }
+            }
+            _ if self.is_exact(ray, answer) => counts.oracle += 1,
+            Verdict::Wrong { why } => {
+                counts.wrong += 1;
+                counts.leaks += u64::from(is_leak);
+                return Some(format!("wrong, {why:?}: {answer:?} instead of {:?}", judgement.truth));
+            }
+        }
+        if is_leak {
+            counts.leaks += 1;
+            return Some(format!("escaped out of a closed room; exactly: {:?}", judgement.truth));
+        }
+        None
+    }
+
+    /// Whether exact arithmetic grants what f64 does not.
+    fn is_exact(&self, ray: &Ray, answer: &Answer) -> bool {
+        match (answer, self.truth.first(ray)) {
+            (Answer::Hit(hit), Some(first)) => {
+                first.met.iter().any(|(met, _)| met.element.0 == hit.element)
+                    && hit.t.is_finite()
+                    && first.off(hit.t).abs() <= ROUNDING * (1.0 + first.t)
+            }
+            (Answer::Escaped, None) => true,
+            _ => false,
+        }
+    }
+
+    /// Rays that another way answers otherwise, and which way.
+    fn unlike(&self, rays: &[Ray], hits: &[Hit]) -> Vec<(usize, &'static str)> {
+        let mut unlike = Vec::new();
+        let scene = self.scene;
+        for kernel in Kernel::available() {
+            for (number, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                if !is_same(&scene.trace_with(kernel, Start::Anywhere, ray, Want::LEAST), hit) {
+                    unlike.push((number, kernel.name()));
+                }
+            }
+        }
+        let mut many = vec![Hit::ESCAPED; rays.len()];
+        scene.trace_many(rays, &mut many, Want::LEAST);
+        let pairs = |many: &[Hit]| {
+            let differ = many.iter().zip(hits).enumerate().filter(|(_, (a, b))| !is_same(a, b));
+            differ.map(|(number, _)| number).collect::<Vec<_>>()
+        };
+        unlike.extend(pairs(&many).into_iter().map(|number| (number, "a batch")));
+        let mut briefs = vec![Brief { t: 0.0, triangle: 0, cell: 0 }; rays.len()];
+        scene.trace_brief_many(Starts::Anywhere, rays, &mut briefs);
+        for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {
+            let alone = scene.trace_brief(Start::Anywhere, &rays[number]);
+            if brief.t.to_bits() != alone.t.to_bits() || brief.t.to_bits() != hit.t.to_bits() {
+                unlike.push((number, "a brief answer"));
+            }
+        }
+        // Parts of the rays, and whether anything is in their way.
+        let tolerance = self.truth.tolerance();
+        let parts: Vec<(usize, Ray, bool)> = rays
+            .iter()
+            .zip(hits)
+            .enumerate()
+            .filter(|(_, (ray, hit))| {
+                // Of a ray with limits of its own it is known by its answer no more.
+                ray.tmin == 0.0
+                    && ray.tmax == f64::INFINITY
+                    && self.truth.judge(ray, &hit.answer()).verdict.is_right()
+            })
+            .filter_map(|(number, (ray, hit))| {
+                let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, number as u64)?;
+                Some((number, Ray { tmax, ..*ray }, is_occluded))
+            })
+            .collect();
+        let segments: Vec<Ray> = parts.iter().map(|(_, ray, _)| *ray).collect();
+        let mut occluded = vec![false; segments.len()];
+        scene.occluded_many(&segments, &mut occluded);
+        for ((number, ray, is_occluded), many) in parts.iter().zip(&occluded) {
+            if many != is_occluded || scene.occluded(ray) != *is_occluded {
+                unlike.push((*number, "occlusion"));
+            }
+        }
+        unlike
+    }
+}
+
+/// The ray on from a hit, as from a mirror.
+fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
+    let (along, normal) = (DVec3::from(ray.direction), DVec3::from(hit.normal));
+    let along = (along / along.abs().max_element()).try_normalize()?;
+    let onward = along - normal * (2.0 * along.dot(normal));
+    (normal != DVec3::ZERO && onward.is_finite()).then(|| Ray::new(hit.point, onward.to_array()))
+}
+
+/// Whether the surface from which a ray went on was met again.
+fn is_double(from: &Hit, hit: &Hit, tolerance: f64) -> bool {
+    let parallel = DVec3::from(from.normal).dot(DVec3::from(hit.normal)).abs() > 0.999_999;
+    hit.element == from.element && hit.t < tolerance && parallel
+}
