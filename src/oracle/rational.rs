@@ -8,6 +8,8 @@
 //! f64 only leaves out triangles that are surely missed: those that the grid says stay clear of the line, and those of which it passes edges on
 //! both sides by more than four times what rounding is bounded by. The direction was made unit there, which moves a side by less than that bound.
 
+mod beside;
+
 use std::cmp::Ordering;
 
 use dashu_ratio::Relaxed;

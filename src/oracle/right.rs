@@ -35,6 +35,7 @@
 
 use super::leave;
 use super::soup::first_t;
+use super::triangle::Corners;
 use super::witness::{Search, Sought, inside_near};
 use super::{TrueAnswer, Truth};
 use crate::trace::{Answer, Hit, Ray};
@@ -135,22 +136,28 @@ impl Verdict {
 impl Truth {
     /// Judges an answer to `ray`.
     pub fn judge(&self, ray: &Ray, answer: &Answer) -> Judgement {
+        self.judge_met(ray, answer, None)
+    }
+
+    /// The same of an answer that is known to be about a triangle with these corners: where that is too narrow for rays of f64, a witness
+    /// through it is sought in exact arithmetic ([`Truth::witness_at`]).
+    pub fn judge_met(&self, ray: &Ray, answer: &Answer, met: Option<&Corners>) -> Judgement {
         let truth = self.answer(ray);
         let forward = match (answer, &truth) {
             (Answer::Hit(hit), TrueAnswer::Hit(nearest)) => Some((hit.t - nearest.t).abs()),
             _ => None,
         };
-        Judgement { verdict: self.verdict(ray, answer, &truth), truth, forward }
+        Judgement { verdict: self.verdict(ray, answer, &truth, met), truth, forward }
     }
 
-    fn verdict(&self, ray: &Ray, answer: &Answer, exact: &TrueAnswer) -> Verdict {
+    fn verdict(&self, ray: &Ray, answer: &Answer, exact: &TrueAnswer, met: Option<&Corners>) -> Verdict {
         match *answer {
             Answer::InSolid(element) => self.verdict_in_solid(ray, ElementId(element), exact),
             Answer::Escaped => match exact {
                 TrueAnswer::Escaped => Verdict::Exact,
                 _ => self.by_witness(ray, Sought::Escaped, exact, Why::Missed),
             },
-            Answer::Hit(hit) => self.verdict_hit(ray, &hit, exact),
+            Answer::Hit(hit) => self.verdict_hit(ray, &hit, exact, met),
         }
     }
 
@@ -165,7 +172,7 @@ impl Truth {
         }
     }
 
-    fn verdict_hit(&self, ray: &Ray, hit: &Hit, exact: &TrueAnswer) -> Verdict {
+    fn verdict_hit(&self, ray: &Ray, hit: &Hit, exact: &TrueAnswer, met: Option<&Corners>) -> Verdict {
         let (t, element) = (hit.t, ElementId(hit.element));
         let rounding = EXACT * (1.0 + t.abs());
         // Written so that a NaN is outside.
@@ -193,6 +200,11 @@ impl Truth {
             }
             _ => Why::Phantom,
         };
+        if !matches!(exact, TrueAnswer::InSolid(_))
+            && let Some(delta) = met.and_then(|corners| self.witness_at(ray, corners, element, t))
+        {
+            return Verdict::Edge { delta };
+        }
         self.by_witness(ray, Sought::Hit { t, element }, exact, why)
     }
 

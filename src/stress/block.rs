@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::rays::{Family, Source};
 use super::report::{Counts, StressCase};
-use crate::oracle::{Truth, Verdict};
+use crate::oracle::{Judgement, Truth, Verdict};
 use crate::scene::Scene;
 use crate::trace::{Answer, Brief, Hit, Kernel, Ray, Start, Starts, Want};
 use crate::verify::part_of;
@@ -40,6 +40,11 @@ impl Found {
         self.cases.extend(other.cases);
         self.cases.truncate(most);
     }
+}
+
+/// Whether two distances are the same number, or none.
+fn is_same_t(a: f64, b: f64) -> bool {
+    a == b || (a.is_nan() && b.is_nan())
 }
 
 /// Whether two records are the same in every bit that says what was met.
@@ -114,7 +119,7 @@ impl Stage<'_> {
                 found.counts.doubles += 1;
                 found.cases.push(self.case(family, first + number as u64, Some(&ray), "met twice"));
             }
-            if !self.truth.judge(&ray, &hit.answer()).verdict.is_right() {
+            if !self.judgement(&ray, &hit.answer()).verdict.is_right() {
                 found.counts.wrong_onward += 1;
                 let what = format!("on from there, wrong: {:?}", hit.answer());
                 found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
@@ -127,7 +132,7 @@ impl Stage<'_> {
     /// Judges an answer by itself; what is bad about it.
     fn judge(&self, ray: &Ray, answer: &Answer, counts: &mut Counts) -> Option<String> {
         counts.rays += 1;
-        let judgement = self.truth.judge(ray, answer);
+        let judgement = self.judgement(ray, answer);
         let is_leak = self.is_closed && *answer == Answer::Escaped && ray.tmax == f64::INFINITY;
         match judgement.verdict {
             Verdict::Exact => counts.exact += 1,
@@ -151,6 +156,16 @@ impl Stage<'_> {
             return Some(format!("escaped out of a closed room; exactly: {:?}", judgement.truth));
         }
         None
+    }
+
+    fn judgement(&self, ray: &Ray, answer: &Answer) -> Judgement {
+        let met = match answer {
+            Answer::Hit(hit) if hit.triangle < self.scene.detail_triangle_count() => {
+                Some(self.scene.triangle(hit.triangle))
+            }
+            _ => None,
+        };
+        self.truth.judge_met(ray, answer, met.as_ref())
     }
 
     /// Whether exact arithmetic grants what f64 does not.
@@ -188,7 +203,7 @@ impl Stage<'_> {
         scene.trace_brief_many(Starts::Anywhere, rays, &mut briefs);
         for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {
             let alone = scene.trace_brief(Start::Anywhere, &rays[number]);
-            if brief.t.to_bits() != alone.t.to_bits() || brief.t.to_bits() != hit.t.to_bits() {
+            if !is_same_t(brief.t, alone.t) || !is_same_t(brief.t, hit.t) {
                 unlike.push((number, "a brief answer"));
             }
         }
@@ -198,11 +213,9 @@ impl Stage<'_> {
             .iter()
             .zip(hits)
             .enumerate()
-            .filter(|(_, (ray, hit))| {
+            .filter(|(_, (ray, _))| {
                 // Of a ray with limits of its own it is known by its answer no more.
-                ray.tmin == 0.0
-                    && ray.tmax == f64::INFINITY
-                    && self.truth.judge(ray, &hit.answer()).verdict.is_right()
+                ray.tmin == 0.0 && ray.tmax == f64::INFINITY
             })
             .filter_map(|(number, (ray, hit))| {
                 let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, number as u64)?;

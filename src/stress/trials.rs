@@ -1,6 +1,6 @@
 //! The scenes: each has one thing that is hard on numbers.
 
-use enfilade_importers::{ImportError, Model, Semantic};
+use enfilade_importers::{Frame, ImportError, Material, Model, ModelBuilder, NewElement, Semantic};
 use glam::{DQuat, DVec3};
 
 use super::shape::{Shape, model};
@@ -68,8 +68,8 @@ pub fn trials(long: bool, seed: u64) -> Vec<Trial> {
     for power in if long { 1..=7 } else { 7..=7 } {
         let far = 10f64.powi(power);
         // By no round number: that would leave coordinates round.
-        let by = DVec3::new(0.77, -0.61, 0.183) * far;
-        all.push(Trial::of_model(format!("moved-1e{power}"), move || placed(move |p| p + by)));
+        let by = DVec3::new(0.770_123_456_789, -0.61, 0.183_333_333) * far;
+        all.push(Trial::of_model(format!("moved-1e{power}"), move || rebuilt(&placed(move |p| p + by)?)));
     }
     let mut random = SplitMix64::new(seed);
     for number in 0..if long { 6 } else { 2 } {
@@ -116,6 +116,20 @@ fn placed(place: impl Fn(DVec3) -> DVec3) -> Result<Model, ImportError> {
     model.lights.clear();
     model.cameras.clear();
     Ok(model)
+}
+
+/// The model as one is that has its coordinates in the file: whatever is done with far ones is done.
+fn rebuilt(model: &Model) -> Result<Model, ImportError> {
+    let mut builder = ModelBuilder::new("far", Frame::default());
+    let material = builder.material(Material::default());
+    for old in &model.elements {
+        let element = builder.element(NewElement { name: old.name.clone(), ..NewElement::default() })?;
+        builder.semantic(element, old.semantic);
+        for triangle in 0..old.mesh.triangles.len() {
+            builder.triangle(element, old.mesh.corners(triangle), material)?;
+        }
+    }
+    builder.finish()
 }
 
 /// The room of most trials.

@@ -10,7 +10,7 @@ use super::lanes::Portable;
 use super::path::Prisms;
 use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
-use super::walk::{Found, Query, Surface, Walk, each};
+use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
 use crate::format::Views;
 use crate::format::records::CellRecord;
 use crate::scene::Scene;
@@ -275,7 +275,8 @@ impl Scene {
                     let aside = Line { origin: line.origin + way, ..line };
                     ended = again(&aside);
                     // Back from the other ray's origin to this one's.
-                    ended.found.t = (ended.found.t + way.dot(line.direction)).max(line.tmin);
+                    ended.found.t += way.dot(line.direction);
+                    ended.found.t = self.in_its_plane(&line, ended.found).max(line.tmin);
                 }
             }
         }
@@ -286,6 +287,18 @@ impl Scene {
             return Hit::in_solid(element, tables.elements[element as usize].semantic);
         }
         if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
+    }
+
+    /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.
+    fn in_its_plane(&self, line: &Line, found: Found) -> f64 {
+        if found.triangle == NONE {
+            return found.t;
+        }
+        let [a, b, c] = Walk::new(&self.tables).corners(found.triangle);
+        let normal = (b - a).cross(c - a);
+        let toward = normal.dot(line.direction);
+        let is_along = toward.abs() <= EDGE_ON_SINE * normal.length();
+        if is_along { found.t } else { normal.dot(a - line.origin) / toward }
     }
 
     /// Whether anything stands in the way of the ray between `tmin` and `tmax`. Stops at the first thing found.

@@ -259,6 +259,13 @@ impl<'s> Query<'s> {
         let det = u + v + w;
         // Half: what is left out is narrower than what its neighbours are met beside them, on either side.
         if det.abs() > 0.5 * near * longest.square.sqrt() {
+            if is_beside {
+                // Where it passes the nearest side: in the triangle's plane, which it may almost run along, it could be anywhere.
+                let nearer = |one: usize, other: usize| {
+                    if sides[other].distance() < sides[one].distance() { other } else { one }
+                };
+                return Some(sides[nearer(nearer(0, 1), 2)].depth());
+            }
             let [a, b, c] = sheared;
             return Some((u * a[2] + v * b[2] + w * c[2]) / det);
         }
@@ -321,12 +328,23 @@ impl Side {
         -(p[0] * self.way[0] + p[1] * self.way[1]) / self.square
     }
 
+    /// The same, no farther than its ends.
+    fn share_on_it(&self) -> f64 {
+        let share = self.share();
+        // A point has no share.
+        if share > 0.0 { share.min(1.0) } else { 0.0 }
+    }
+
     /// How far it passes the ray.
     fn distance(&self) -> f64 {
-        let ([p, _], share) = (self.ends, self.share());
-        // A point has no share.
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        let ([p, _], share) = (self.ends, self.share_on_it());
         (p[0] + share * self.way[0]).hypot(p[1] + share * self.way[1])
+    }
+
+    /// How far along the ray it passes it.
+    fn depth(&self) -> f64 {
+        let ([p, q], share) = (self.ends, self.share_on_it());
+        p[2] + share * (q[2] - p[2])
     }
 }
 
@@ -553,7 +571,7 @@ struct Candidates<L: Lanes> {
 pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
 
 /// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
-const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
+pub(super) const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
 
 /// Bounds the relative error of a block's determinants: a few roundings of 2^-24 each.
 pub(super) const EDGE_ON: f32 = 1.0 / (1u32 << 20) as f32;

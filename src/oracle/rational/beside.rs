@@ -1,0 +1,84 @@
+//! Witnesses that no f64 can name: parallel rays aside by less than coordinates are fine.
+
+use enfilade_importers::ElementId;
+
+use super::super::Truth;
+use super::super::soup::first_t;
+use super::super::triangle::{Corners, Line};
+use super::super::vector::{add, dot, length, max_abs, scale, sub};
+use super::{Exactly, along, minus, rational, vector};
+use crate::trace::Ray;
+
+impl Truth {
+    /// Whether an answer is that to a parallel ray a little aside, whose origin need be no f64: how far, metres. The answer says that the
+    /// ray meets the triangle `corners` of `element` at `t`, a place that the triangle comes within the tolerance of. Finds witnesses where
+    /// things are narrower than f64 is fine; what neither ray starts inside of does not count. `None` is no proof that there is none.
+    pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
+        /// Shares of the way to the triangle's middle: at the point itself others may be met as well.
+        const INWARD: [f64; 4] = [1e-12, 1e-9, 1e-6, 1e-4];
+        let line = Line::new(ray)?;
+        if !(t >= first_t(ray) && t <= ray.tmax) {
+            return None;
+        }
+        let weights = nearest_weights(line.at(t), corners);
+        let exactly = Exactly::new(ray);
+        INWARD.into_iter().find_map(|share| {
+            let weights = weights.map(|weight| rational(weight * (1.0 - share) + share / 3.0));
+            let sum = &weights[0] + &weights[1] + &weights[2];
+            let exact = corners.map(vector);
+            let point = [0, 1, 2].map(|i| {
+                (&exact[0][i] * &weights[0] + &exact[1][i] * &weights[1] + &exact[2][i] * &weights[2]) / &sum
+            });
+            // The answer's `t` in lengths of the direction, to an ulp: exact for the ray that is made of it.
+            let place = rational(t / length_of(ray.direction));
+            let met = [0, 1, 2].map(|i| &exactly.origin[i] + &exactly.direction[i] * &place);
+            let shift = minus(&point, &met);
+            let aside = along(&shift, &shift).to_f64().value().sqrt();
+            if aside > self.tolerance {
+                return None;
+            }
+            let origin = [0, 1, 2].map(|i| &exactly.origin[i] + &shift[i]);
+            let start = [0, 1, 2].map(|i| line.at(first_t(ray))[i] + shift[i].to_f64().value());
+            if !self.solids_at(start).is_empty() {
+                return None;
+            }
+            let beside = Exactly { origin, ..Exactly::new(ray) };
+            let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
+            let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
+            let is_it = first.met.iter().any(|(met, _)| met.element == element)
+                && first.off(t).abs() <= 1e-12 * (1.0 + t);
+            is_it.then_some(aside)
+        })
+    }
+}
+
+/// The length of a direction of any size.
+fn length_of(direction: [f64; 3]) -> f64 {
+    let largest = max_abs(direction);
+    largest * length(direction.map(|c| c / largest))
+}
+
+/// The weights of a triangle's corners that make the point of it nearest to `point`, about.
+fn nearest_weights(point: [f64; 3], [a, b, c]: &Corners) -> [f64; 3] {
+    let [ab, ac, ap] = [sub(*b, *a), sub(*c, *a), sub(point, *a)];
+    let (d00, d01, d11) = (dot(ab, ab), dot(ab, ac), dot(ac, ac));
+    let (d20, d21) = (dot(ap, ab), dot(ap, ac));
+    let det = d00 * d11 - d01 * d01;
+    let (v, w) = ((d11 * d20 - d01 * d21) / det, (d00 * d21 - d01 * d20) / det);
+    if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+        return [1.0 - v - w, v, w];
+    }
+    // On one of its edges.
+    let ends = [(a, b, [0, 1]), (b, c, [1, 2]), (c, a, [2, 0])];
+    let on_edges = ends.map(|(p, q, [i, j])| {
+        let way = sub(*q, *p);
+        let share = (dot(sub(point, *p), way) / dot(way, way)).clamp(0.0, 1.0);
+        let share = if share.is_nan() { 0.0 } else { share };
+        let mut weights = [0.0; 3];
+        (weights[i], weights[j]) = (1.0 - share, share);
+        let off = sub(point, add(*p, scale(way, share)));
+        (dot(off, off), weights)
+    });
+    let nearest = on_edges.into_iter().min_by(|one, other| one.0.total_cmp(&other.0));
+    nearest.map_or([1.0, 0.0, 0.0], |(_, weights)| weights)
+}
