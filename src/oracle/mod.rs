@@ -214,6 +214,11 @@ impl Truth {
         hits
     }
 
+    /// Whether the line meets an element between two places along it.
+    pub(crate) fn meets(&self, ray: &Ray, element: u32, from: f64, to: f64) -> bool {
+        self.hits_between(ray, from, to).iter().any(|hit| hit.element.0 == element)
+    }
+
     /// Triangles that come within the tolerance of the line between `from` and `to`, and perhaps others; ascending.
     fn near_line(&self, line: &Line, from: f64, to: f64) -> Vec<u32> {
         match self.grid.near_line(line, from, to) {

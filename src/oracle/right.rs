@@ -200,10 +200,9 @@ impl Truth {
             }
             _ => Why::Phantom,
         };
-        if !matches!(exact, TrueAnswer::InSolid(_))
-            && let Some(delta) = met.and_then(|corners| self.witness_at(ray, corners, element, t))
-        {
-            return Verdict::Edge { delta };
+        if let Some(delta) = met.and_then(|corners| self.witness_at(ray, corners, element, t)) {
+            let in_solid = matches!(exact, TrueAnswer::InSolid(_));
+            return if in_solid { Verdict::InSolidEdge { delta } } else { Verdict::Edge { delta } };
         }
         self.by_witness(ray, Sought::Hit { t, element }, exact, why)
     }

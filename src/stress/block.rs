@@ -5,21 +5,17 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use super::judge::{Judge, Worth};
 use super::rays::{Family, Source};
 use super::report::{Counts, StressCase};
-use crate::oracle::{Judgement, Truth, Verdict};
-use crate::scene::Scene;
+use crate::oracle::Judgement;
 use crate::trace::{Answer, Brief, Hit, Kernel, Ray, Start, Starts, Want};
 use crate::verify::part_of;
-
-/// How far, metres for each metre and one, two answers in f64 to the same ray may be apart by rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// What rays are sent through.
 pub(super) struct Stage<'a> {
     pub(super) trial: &'a str,
-    pub(super) scene: &'a Scene,
-    pub(super) truth: &'a Truth,
+    pub(super) judge: Judge<'a>,
     pub(super) source: Source<'a>,
     /// No ray from its start may escape.
     pub(super) is_closed: bool,
@@ -94,7 +90,7 @@ impl Stage<'_> {
         let rays: Vec<Ray> = indices.map(|index| self.source.ray(family, index)).collect();
         let mut found = Found::default();
         let hits: Vec<Hit> =
-            rays.iter().map(|ray| self.scene.trace_from(Start::Anywhere, ray, Want::LEAST)).collect();
+            rays.iter().map(|ray| self.judge.scene.trace_from(Start::Anywhere, ray, Want::LEAST)).collect();
         for (number, unlike) in self.unlike(&rays, &hits) {
             found.counts.unlike += 1;
             let what = format!("{unlike} says something else than a single ray");
@@ -113,15 +109,16 @@ impl Stage<'_> {
         }
         for (number, ray) in onward {
             let from = &hits[number];
-            let hit = self.scene.trace_from(Start::Hit(from), &ray, Want::LEAST);
+            let hit = self.judge.scene.trace_from(Start::Hit(from), &ray, Want::LEAST);
             found.counts.onward += 1;
-            if is_double(from, &hit, self.truth.tolerance()) {
+            if self.is_double(from, &hit) {
                 found.counts.doubles += 1;
-                found.cases.push(self.case(family, first + number as u64, Some(&ray), "met twice"));
+                let what = format!("met again: {:?} from {:?}", hit.answer(), from.answer());
+                found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
             }
-            if !self.judgement(&ray, &hit.answer()).verdict.is_right() {
+            if let Worth::Wrong(Judgement { verdict, truth, .. }) = self.judge.worth(&ray, &hit.answer()) {
                 found.counts.wrong_onward += 1;
-                let what = format!("on from there, wrong: {:?}", hit.answer());
+                let what = format!("on from there, {verdict:?}: {:?} instead of {truth:?}", hit.answer());
                 found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
             }
         }
@@ -132,59 +129,32 @@ impl Stage<'_> {
     /// Judges an answer by itself; what is bad about it.
     fn judge(&self, ray: &Ray, answer: &Answer, counts: &mut Counts) -> Option<String> {
         counts.rays += 1;
-        let judgement = self.judgement(ray, answer);
+        let worth = self.judge.worth(ray, answer);
+        worth.count(counts);
         let is_leak = self.is_closed && *answer == Answer::Escaped && ray.tmax == f64::INFINITY;
-        match judgement.verdict {
-            Verdict::Exact => counts.exact += 1,
-            Verdict::Close { .. } => counts.close += 1,
-            Verdict::Flush { .. } => counts.flush += 1,
-            Verdict::InSolidAgreed => counts.in_solid += 1,
-            Verdict::Edge { .. } | Verdict::InSolidEdge { .. } => {
-                // Of two exact answers one may be as right as the other.
-                let is_tie = self.truth.first(ray).is_none_or(|first| first.is_tie());
-                if is_tie { counts.ties += 1 } else { counts.beside += 1 }
+        counts.leaks += u64::from(is_leak);
+        match worth {
+            Worth::Wrong(Judgement { verdict, truth, .. }) => {
+                Some(format!("{verdict:?}: {answer:?} instead of {truth:?}"))
             }
-            _ if self.is_exact(ray, answer) => counts.oracle += 1,
-            Verdict::Wrong { why } => {
-                counts.wrong += 1;
-                counts.leaks += u64::from(is_leak);
-                return Some(format!("wrong, {why:?}: {answer:?} instead of {:?}", judgement.truth));
-            }
-        }
-        if is_leak {
-            counts.leaks += 1;
-            return Some(format!("escaped out of a closed room; exactly: {:?}", judgement.truth));
-        }
-        None
-    }
-
-    fn judgement(&self, ray: &Ray, answer: &Answer) -> Judgement {
-        let met = match answer {
-            Answer::Hit(hit) if hit.triangle < self.scene.detail_triangle_count() => {
-                Some(self.scene.triangle(hit.triangle))
-            }
+            _ if is_leak => Some("escaped out of a closed room".to_owned()),
             _ => None,
-        };
-        self.truth.judge_met(ray, answer, met.as_ref())
+        }
     }
 
-    /// Whether exact arithmetic grants what f64 does not.
-    fn is_exact(&self, ray: &Ray, answer: &Answer) -> bool {
-        match (answer, self.truth.first(ray)) {
-            (Answer::Hit(hit), Some(first)) => {
-                first.met.iter().any(|(met, _)| met.element.0 == hit.element)
-                    && hit.t.is_finite()
-                    && first.off(hit.t).abs() <= ROUNDING * (1.0 + first.t)
-            }
-            (Answer::Escaped, None) => true,
-            _ => false,
-        }
+    /// Whether the very plane from which a ray went on was met again.
+    fn is_double(&self, from: &Hit, hit: &Hit) -> bool {
+        let [one, other] = [from.normal, hit.normal].map(DVec3::from);
+        let aside = (DVec3::from(hit.point) - DVec3::from(from.point)).dot(one);
+        // Triangles bent by less are one plane for the tracer, too.
+        let is_same = one.cross(other).length() < 1e-6 && aside.abs() < 1e-9;
+        hit.element == from.element && hit.t < self.judge.truth.tolerance() && is_same
     }
 
     /// Rays that another way answers otherwise, and which way.
     fn unlike(&self, rays: &[Ray], hits: &[Hit]) -> Vec<(usize, &'static str)> {
         let mut unlike = Vec::new();
-        let scene = self.scene;
+        let scene = self.judge.scene;
         for kernel in Kernel::available() {
             for (number, (ray, hit)) in rays.iter().zip(hits).enumerate() {
                 if !is_same(&scene.trace_with(kernel, Start::Anywhere, ray, Want::LEAST), hit) {
@@ -208,7 +178,7 @@ impl Stage<'_> {
             }
         }
         // Parts of the rays, and whether anything is in their way.
-        let tolerance = self.truth.tolerance();
+        let tolerance = self.judge.truth.tolerance();
         let parts: Vec<(usize, Ray, bool)> = rays
             .iter()
             .zip(hits)
@@ -240,10 +210,4 @@ fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
     let along = (along / along.abs().max_element()).try_normalize()?;
     let onward = along - normal * (2.0 * along.dot(normal));
     (normal != DVec3::ZERO && onward.is_finite()).then(|| Ray::new(hit.point, onward.to_array()))
-}
-
-/// Whether the surface from which a ray went on was met again.
-fn is_double(from: &Hit, hit: &Hit, tolerance: f64) -> bool {
-    let parallel = DVec3::from(from.normal).dot(DVec3::from(hit.normal)).abs() > 0.999_999;
-    hit.element == from.element && hit.t < tolerance && parallel
 }

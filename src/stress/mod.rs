@@ -9,6 +9,7 @@
 //! starts on them, panics. That a ray has several exact answers is no fault: ties are counted apart. The report depends on the options alone, but for times.
 
 mod block;
+mod judge;
 mod rays;
 mod report;
 pub(crate) mod shape;
@@ -21,6 +22,7 @@ pub use report::{Counts, StressCase, StressReport, StressRow};
 pub use trials::{Trial, trials};
 
 use block::{Found, Stage};
+use judge::Judge;
 use rays::Source;
 
 use crate::compile::{CompileOptions, compile};
@@ -122,8 +124,7 @@ fn run(
     for &family in families {
         let stage = Stage {
             trial: &trial.name,
-            scene: &scene,
-            truth: &truth,
+            judge: Judge { scene: &scene, truth: &truth },
             source: Source::new(&scene, &truth, trial.inside, options.seed),
             // From a surface rays may go out.
             is_closed: trial.inside.is_some() && family.starts_anywhere(),

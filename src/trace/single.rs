@@ -19,6 +19,9 @@ use crate::scene::Scene;
 /// that it starts on.
 const ON_PLANE: f64 = 1e-11;
 
+/// A restarted ray may be so deep, metres per metre of coordinate, in a solid that meets the surface it starts on.
+const DEEP: f64 = 1e-7;
+
 /// From where a ray starts, if the caller knows: then nothing is looked up.
 #[derive(Clone, Copy, Debug)]
 pub enum Start<'a> {
@@ -514,5 +517,6 @@ fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
 #[inline]
 pub(super) fn surface_of(hit: &Hit, origin: DVec3, tmin: f64) -> Surface {
     let near = ON_PLANE * (1.0 + origin.abs().max_element());
-    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin }
+    let deep = near.max(DEEP * (1.0 + origin.abs().max_element()));
+    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, deep, tmin }
 }

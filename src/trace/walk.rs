@@ -56,6 +56,13 @@ impl<'a> Walk<'a> {
         each(self.triangles[triangle as usize], |v| DVec3::from(self.vertices[v as usize]))
     }
 
+    /// Whether a triangle's normal looks the other way than `normal`.
+    fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
+        let Some(&corners) = self.triangles.get(triangle as usize) else { return false };
+        let [a, b, c] = each(corners, |v| DVec3::from(self.vertices[v as usize]));
+        (b - a).cross(c - a).dot(normal) < 0.0
+    }
+
     /// Whether a ray along `direction` comes to the triangle from the side that `outward` comes from.
     #[inline]
     pub(super) fn enters(&self, triangle: u32, outward: DVec3, direction: DVec3) -> bool {
@@ -97,6 +104,8 @@ pub(super) struct Surface {
     pub(super) normal: DVec3,
     /// How far, metres, the ray's origin may be off this surface and those that meet it there, by rounding.
     pub(super) near: f64,
+    /// No deeper, metres, the origin may be in a solid that meets the surface there: what its ray came by may have been met as far aside.
+    pub(super) deep: f64,
     /// Hits before this do not count, save on solids that the ray enters where it starts.
     pub(super) tmin: f64,
 }
@@ -105,11 +114,14 @@ pub(super) struct Surface {
 /// almost in it.
 const BEHIND: f64 = 1e4;
 
+/// The same for [`Surface::deep`].
+const DEEP: f64 = 64.0;
+
 impl Surface {
     /// How far, metres, behind the ray's origin anything is looked for.
     #[inline(always)]
     pub(super) fn behind(&self) -> f64 {
-        BEHIND * self.near
+        (BEHIND * self.near).max(DEEP * self.deep)
     }
 }
 
@@ -281,7 +293,8 @@ impl<'s> Query<'s> {
     }
 
     /// Whether a hit counts for a ray that starts on a surface. Where it starts in an edge, rounding may have put its
-    /// origin behind the other side of that edge: what it enters there it meets, and what it leaves it does not.
+    /// origin behind the other side of that edge: what it enters there it meets, and what it leaves it does not. So with a solid that stands on
+    /// the surface, face on face: no ray starts between them but by rounding.
     fn counts(&self, walk: &Walk<'_>, surface: &Surface, corners: [[f64; 3]; 3], index: u32, t: f64) -> bool {
         if index == surface.triangle {
             return false;
@@ -289,10 +302,13 @@ impl<'s> Query<'s> {
         let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
         let (size, outward) = (normal.length(), normal.dot(self.direction));
-        if (t * outward).abs() > surface.near * size {
+        let depth = (t * outward).abs();
+        if depth > surface.near * size && (t >= 0.0 || depth > surface.deep * size) {
             return t >= surface.tmin;
         }
-        if normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size {
+        let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
+        if is_in_plane && (depth > surface.near * size || !walk.looks_against(surface.triangle, normal)) {
+            // In the plane itself, or behind it.
             return false;
         }
         let volume = walk.runs[walk.run_of[index as usize] as usize].volume;
@@ -302,7 +318,7 @@ impl<'s> Query<'s> {
             {
                 outward < 0.0
             }
-            _ => t >= surface.tmin,
+            _ => t >= surface.tmin && !is_in_plane,
         }
     }
 }
