@@ -118,7 +118,8 @@ impl Stage<'_> {
             }
             if let Worth::Wrong(Judgement { verdict, truth, .. }) = self.judge.worth(&ray, &hit.answer()) {
                 found.counts.wrong_onward += 1;
-                let what = format!("on from there, {verdict:?}: {:?} instead of {truth:?}", hit.answer());
+                let (hit, from) = (hit.answer(), from.answer());
+                let what = format!("on from {from:?}, {verdict:?}: {hit:?} instead of {truth:?}");
                 found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
             }
         }

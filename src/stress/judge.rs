@@ -116,18 +116,31 @@ impl Judge<'_> {
             }
             _ => false,
         };
-        let is_so_far = |far: f64| {
-            // To the middles of a cube's sides, its edges and its corners.
-            (0..27).filter(|way| *way != 13).any(|way| {
+        // To the middles of a cube's sides, its edges and its corners.
+        let beside = |far: f64| {
+            (0..27).filter(|way| *way != 13).map(move |way| {
                 let way = [way % 3, way / 3 % 3, way / 9].map(|step| f64::from(step - 1));
                 let origin = [0, 1, 2].map(|i| ray.origin[i] + far * way[i]);
-                is_answer(&Ray { origin, ..*ray })
+                Ray { origin, ..*ray }
             })
         };
-        if is_so_far(fine.max(1e-9 * tolerance)) {
+        let (near, far) = (fine.max(1e-9 * tolerance), fine.max(1e-6 * tolerance));
+        if beside(near).any(|ray| is_answer(&ray)) {
             return Some(Worth::Tie);
         }
-        is_so_far(fine.max(1e-6 * tolerance)).then_some(Worth::Beside)
+        // Along an edge it touches one corner after the other: on the way it may be on one side of them, and on the other where it ends.
+        if let Answer::Hit(Hit { t, element, .. }) = answer {
+            let is_free = |ray: &Ray| match self.truth.answer(ray) {
+                TrueAnswer::Hit(nearest) => nearest.t >= t - tolerance,
+                TrueAnswer::Escaped => true,
+                TrueAnswer::InSolid(_) => false,
+            };
+            let is_met = |ray: &Ray| self.truth.meets(ray, *element, t - tolerance, t + tolerance);
+            if beside(near).any(|ray| is_free(&ray)) && beside(near).any(|ray| is_met(&ray)) {
+                return Some(Worth::Tie);
+            }
+        }
+        beside(far).any(|ray| is_answer(&ray)).then_some(Worth::Beside)
     }
 
     /// Whether an answer is exact but for what is met within rounding of where the ray starts and ends: what it says is there, and nothing

@@ -67,7 +67,7 @@ impl Scene {
         let step = aside(start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
         match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
-            (None, None, None) => Begin::At(line.tmin),
+            (None, None, None) if self.is_beside_solids(start) => Begin::At(line.tmin),
             (Some(element), Some(_), Some(_)) => {
                 let found = nearest(line);
                 let within = found.triangle != NONE && found.t <= line.tmin + self.tolerance();
@@ -112,6 +112,15 @@ impl Scene {
             passed = next.t;
         }
         None
+    }
+
+    /// Whether no solid holds a point, nor any of those beside it: at an edge of a solid it is to one side alone.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_beside_solids(&self, point: DVec3) -> bool {
+        let step = aside(point);
+        let ways = ASIDE.iter().flat_map(|&way| [way, -way]).chain([DVec3::ZERO]);
+        ways.map(|way| point + way * step).all(|point| self.solid_at(point.to_array()).is_none())
     }
 
     /// A solid that holds a point within the tolerance of `point`.

@@ -9,7 +9,7 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
-use super::begin::{ASIDE, aside};
+use super::begin::aside;
 use super::free::local;
 use super::path::Prisms;
 use crate::format::records::{CellRecord, VolumeRecord};
@@ -125,7 +125,7 @@ impl Scene {
     pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
         match self.kernel.free(&self.tables, point, hint) {
             Some((cell, true)) => Some(cell),
-            Some((cell, false)) => self.is_beside_solids(point).then_some(cell),
+            Some((cell, false)) => self.is_beside_solids(point.into()).then_some(cell),
             None => self.free_cell_at_border(point),
         }
     }
@@ -139,17 +139,9 @@ impl Scene {
         }
         let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));
         let cell = prisms.place(prisms.local(middle), prisms.rounding().min(self.tolerance()))?;
-        let is_clear = || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point);
+        let is_clear =
+            || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point.into());
         (prisms.cells[cell as usize].kind == CellRecord::AIR && is_clear()).then_some(cell)
-    }
-
-    /// Whether no solid holds a point, nor where [`Scene::begin`] looks beside it first.
-    #[cold]
-    #[inline(never)]
-    fn is_beside_solids(&self, point: [f64; 3]) -> bool {
-        let middle = DVec3::from(point);
-        let way = ASIDE[0] * aside(middle);
-        [middle, middle + way, middle - way].iter().all(|point| self.solid_at(point.to_array()).is_none())
     }
 
     /// The smallest room that holds `point`.

@@ -260,6 +260,9 @@ impl Scene {
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
         let surface = surface(start, &line);
+        if let Some(surface) = &surface {
+            line.origin += self.out_of(surface, &line);
+        }
         let mut ended = nearest(tables, &line, surface.as_ref(), start.hint(), probe);
         ended.found.t = ended.found.t.max(line.tmin);
         if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
@@ -290,6 +293,16 @@ impl Scene {
             return Hit::in_solid(element, tables.elements[element as usize].semantic);
         }
         if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
+    }
+
+    /// How far to move the origin of a ray that goes on from a surface, where rounding has put it behind that: almost along the surface it would
+    /// come out of it only much farther on.
+    fn out_of(&self, surface: &Surface, line: &Line) -> DVec3 {
+        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else { return DVec3::ZERO };
+        let corner = DVec3::from(self.tables.vertices[corners[0] as usize]);
+        let behind = (corner - line.origin).dot(surface.normal);
+        let is_away = line.direction.dot(surface.normal) > 0.0;
+        if is_away && behind > 0.0 && behind <= surface.deep { surface.normal * behind } else { DVec3::ZERO }
     }
 
     /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.

@@ -56,6 +56,11 @@ impl<'a> Walk<'a> {
         each(self.triangles[triangle as usize], |v| DVec3::from(self.vertices[v as usize]))
     }
 
+    /// The volume that a triangle is of, or none.
+    fn volume_of(&self, triangle: u32) -> u32 {
+        self.run_of.get(triangle as usize).map_or(NONE, |&run| self.runs[run as usize].volume)
+    }
+
     /// Whether a triangle's normal looks the other way than `normal`.
     fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
         let Some(&corners) = self.triangles.get(triangle as usize) else { return false };
@@ -269,6 +274,13 @@ impl<'s> Query<'s> {
             |one: usize, other: usize| if sides[other].square > sides[one].square { other } else { one };
         let longest = &sides[longer(longer(0, 1), 2)];
         let det = u + v + w;
+        let [a, b, c] = corners.map(DVec3::from);
+        let normal = (b - a).cross(c - a);
+        let toward = normal.dot(self.direction).abs();
+        if det.abs() <= SLIVER * near * longest.square.sqrt() && toward > 0.1 * normal.length() {
+            // So narrow that weights tell less well where than the side does.
+            return Some(longest.depth());
+        }
         // Half: what is left out is narrower than what its neighbours are met beside them, on either side.
         if det.abs() > 0.5 * near * longest.square.sqrt() {
             if is_beside {
@@ -278,12 +290,10 @@ impl<'s> Query<'s> {
                 };
                 return Some(sides[nearer(nearer(0, 1), 2)].depth());
             }
-            let [a, b, c] = sheared;
-            return Some((u * a[2] + v * b[2] + w * c[2]) / det);
+            let [a, b, c] = sheared.map(|corner| corner[2]);
+            return Some((u * a + v * b + w * c) / det);
         }
-        let [a, b, c] = corners.map(DVec3::from);
-        let normal = (b - a).cross(c - a);
-        if normal.dot(self.direction).abs() <= EDGE_ON_SINE * normal.length() {
+        if toward <= EDGE_ON_SINE * normal.length() {
             return None;
         }
         // What is a point to the ray is at the depth of any of its corners.
@@ -303,20 +313,29 @@ impl<'s> Query<'s> {
         let normal = (b - a).cross(c - a);
         let (size, outward) = (normal.length(), normal.dot(self.direction));
         let depth = (t * outward).abs();
-        if depth > surface.near * size && (t >= 0.0 || depth > surface.deep * size) {
+        if depth > surface.deep * size {
             return t >= surface.tmin;
         }
         let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
-        if is_in_plane && (depth > surface.near * size || !walk.looks_against(surface.triangle, normal)) {
-            // In the plane itself, or behind it.
+        let volume = walk.volume_of(index);
+        let is_there = depth <= surface.near * size;
+        if is_in_plane && !is_there && t >= 0.0 {
+            return t >= surface.tmin;
+        }
+        if is_in_plane
+            && (!is_there
+                || volume == walk.volume_of(surface.triangle)
+                || !walk.looks_against(surface.triangle, normal))
+        {
+            // In the plane itself, or behind it; or the other side of something that thin.
             return false;
         }
-        let volume = walk.runs[walk.run_of[index as usize] as usize].volume;
         match walk.volumes.get(volume as usize) {
             Some(volume)
                 if volume.role == enfilade_importers::Role::Solid as u32 && volume.by_winding == 1 =>
             {
-                outward < 0.0
+                // What it leaves farther on it was in by so little only.
+                outward < 0.0 && (is_there || t < 0.0 || t >= surface.tmin)
             }
             _ => t >= surface.tmin && !is_in_plane,
         }
@@ -585,6 +604,9 @@ struct Candidates<L: Lanes> {
 /// As near as anything is told apart, for each metre of coordinates: 1e-11 m at 100 m. The distance of a side from the ray
 /// is off by some roundings of the coordinates, 2^-50 of them, so that hardly any answer hangs on those.
 pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
+
+/// A triangle that is not as many times as wide as what is told apart is met at the depth of its longest side.
+const SLIVER: f64 = 1e4;
 
 /// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
 pub(super) const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
