@@ -182,10 +182,10 @@ mod scene_tests {
             (house(&HouseOptions::default()), Style::exact()),
             (build2(&office), Style::exact()),
             (random(&office), Style::cad(3)),
-            // Its wall is around the room, and so is the box of that.
-            (round_room(&RoundRoomOptions::default()), Style::exact()),
+            // Its walls are around rooms, and so are the boxes of those.
+            (round_room(&RoundRoomOptions::default()), Style::damage(0.5, 1)),
         ];
-        let (mut most_near, mut at_borders) = (0, 0);
+        let mut at_borders = 0;
         for (building, style) in scenes {
             let model = building.export(&style).to_model().unwrap();
             let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
@@ -193,7 +193,7 @@ mod scene_tests {
             let prisms = Prisms::new(tables);
             let mut numbers = SplitMix64::new(4);
             let [lo, hi] = scene.hull();
-            let (mut quick, mut near, mut in_solids) = (0, 0, 0);
+            let (mut quick, mut in_solids) = (0, 0);
             let (mut points, mut cells) = (Vec::new(), Vec::new());
             for _ in 0..40_000 {
                 let point = [0, 1, 2].map(|axis| numbers.between(lo[axis], hi[axis]));
@@ -210,7 +210,6 @@ mod scene_tests {
                     // It may be in a solid, and mostly is not.
                     Some((cell, false)) if found.is_some() => {
                         assert_eq!(found, Some(cell), "{point:?}");
-                        near += 1;
                     }
                     Some((_, false)) => assert!(solid.is_some(), "{point:?}"),
                     None if found.is_some() => at_borders += 1,
@@ -243,8 +242,7 @@ mod scene_tests {
                 }
             }
             assert!(quick > 10_000 && in_solids > 100, "{quick} {in_solids}");
-            most_near = most_near.max(near);
         }
-        assert!(most_near > 10_000 && at_borders > 50, "{most_near} {at_borders}");
+        assert!(at_borders > 50, "{at_borders}");
     }
 }
