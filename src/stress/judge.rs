@@ -43,8 +43,12 @@ impl Judge<'_> {
     pub(super) fn worth(&self, ray: &Ray, answer: &Answer) -> Worth {
         let exact = self.truth.answer(ray);
         let is_same = match (answer, &exact) {
-            (Answer::Hit(hit), TrueAnswer::Hit(nearest)) => {
-                hit.element == nearest.element.0 && (hit.t - nearest.t).abs() <= rounding(nearest.t)
+            (Answer::Hit(hit), TrueAnswer::Hit(nearest)) if hit.element == nearest.element.0 => {
+                let off = (hit.t - nearest.t).abs();
+                if off > rounding(nearest.t) && off <= self.truth.tolerance() {
+                    return Worth::Close;
+                }
+                off <= rounding(nearest.t)
             }
             (Answer::Escaped, TrueAnswer::Escaped) => true,
             (Answer::InSolid(element), TrueAnswer::InSolid(solids)) => {

@@ -15,6 +15,7 @@ fn every_trial_is_compiled_and_nothing_bad_is_found() {
     assert!(cut * 2 > report.rows.len(), "cells in {cut} of {} trials", report.rows.len());
 }
 
+#[cfg(feature = "rayon")]
 #[test]
 fn the_same_report_at_any_number_of_threads() {
     let options = StressOptions { rays: 3000, trials: vec!["nested".into()], ..StressOptions::default() };
