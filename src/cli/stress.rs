@@ -18,7 +18,7 @@ use super::output;
 /// Ends with exit code 1 on any wrong answer, leak, panic, disagreement between ways, or where it is stuck. The report depends on the options alone, but for times.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade stress                                       a minute\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000"
+    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000"
 )]
 pub struct Arguments {
     /// Rays in all, shared evenly among trials and families.

@@ -139,8 +139,8 @@ impl Truth {
         self.judge_met(ray, answer, None)
     }
 
-    /// The same of an answer that is known to be about a triangle with these corners: where that is too narrow for rays of f64, a witness
-    /// through it is sought in exact arithmetic ([`Truth::witness_at`]).
+    /// The same of an answer that is known to be about a triangle with these corners: a witness through that is sought first, in exact arithmetic
+    /// ([`Truth::witness_at`]), so that it is found where the triangle is too narrow for rays of f64. It need not be the nearest.
     pub fn judge_met(&self, ray: &Ray, answer: &Answer, met: Option<&Corners>) -> Judgement {
         let truth = self.answer(ray);
         let forward = match (answer, &truth) {

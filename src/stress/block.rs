@@ -43,12 +43,15 @@ fn is_same_t(a: f64, b: f64) -> bool {
     a == b || (a.is_nan() && b.is_nan())
 }
 
-/// Whether two records are the same in every bit that says what was met.
+/// Whether two records are the same in every bit.
 fn is_same(a: &Hit, b: &Hit) -> bool {
     let numbers = |hit: &Hit| {
         let floats =
             [hit.t, hit.point[0], hit.point[1], hit.point[2], hit.normal[0], hit.normal[1], hit.normal[2]];
-        (floats.map(f64::to_bits), [hit.element, hit.semantic, hit.material, hit.cell, hit.triangle])
+        (
+            floats.map(f64::to_bits),
+            [hit.element, hit.semantic, hit.material, hit.cell, hit.room, hit.triangle],
+        )
     };
     numbers(a) == numbers(b)
 }
@@ -174,7 +177,9 @@ impl Stage<'_> {
         scene.trace_brief_many(Starts::Anywhere, rays, &mut briefs);
         for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {
             let alone = scene.trace_brief(Start::Anywhere, &rays[number]);
-            if !is_same_t(brief.t, alone.t) || !is_same_t(brief.t, hit.t) {
+            let is_same = [brief.t, alone.t].iter().all(|t| is_same_t(*t, hit.t))
+                && [brief.triangle, alone.triangle].iter().all(|triangle| *triangle == hit.triangle);
+            if !is_same {
                 unlike.push((number, "a brief answer"));
             }
         }

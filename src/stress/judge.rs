@@ -42,6 +42,12 @@ impl Judge<'_> {
     /// What `answer` to `ray` is worth.
     pub(super) fn worth(&self, ray: &Ray, answer: &Answer) -> Worth {
         let exact = self.truth.answer(ray);
+        if let Answer::Hit(Hit { t, .. }) = answer
+            && !(*t >= ray.tmin.max(0.0) - rounding(*t) && *t <= ray.tmax + rounding(*t))
+        {
+            // Not a number, too.
+            return Worth::Wrong(self.truth.judge(ray, answer));
+        }
         let is_same = match (answer, &exact) {
             (Answer::Hit(hit), TrueAnswer::Hit(nearest)) if hit.element == nearest.element.0 => {
                 let off = (hit.t - nearest.t).abs();
@@ -93,7 +99,7 @@ impl Judge<'_> {
             _ => None,
         };
         let judgement = self.truth.judge_met(ray, answer, met.as_ref());
-        let is_tie = || self.truth.first(ray).is_none_or(|first| first.is_tie());
+        let is_tie = || self.truth.first(ray).is_some_and(|first| first.is_tie());
         match judgement.verdict {
             Verdict::Exact => Worth::Exact,
             Verdict::Close { .. } => Worth::Close,
@@ -135,11 +141,12 @@ impl Judge<'_> {
         // Along an edge it touches one corner after the other: on the way it may be on one side of them, and on the other where it ends.
         if let Answer::Hit(Hit { t, element, .. }) = answer {
             let is_free = |ray: &Ray| match self.truth.answer(ray) {
-                TrueAnswer::Hit(nearest) => nearest.t >= t - tolerance,
+                TrueAnswer::Hit(nearest) => nearest.t >= t - rounding(*t),
                 TrueAnswer::Escaped => true,
                 TrueAnswer::InSolid(_) => false,
             };
-            let is_met = |ray: &Ray| self.truth.meets(ray, *element, t - tolerance, t + tolerance);
+            let from = (t - rounding(*t)).max(ray.tmin.max(0.0));
+            let is_met = |ray: &Ray| self.truth.meets(ray, *element, from, t + rounding(*t));
             if beside(near).any(|ray| is_free(&ray)) && beside(near).any(|ray| is_met(&ray)) {
                 return Some(Worth::Tie);
             }

@@ -2,8 +2,8 @@
 //!
 //! Each trial is a small scene ([`trials`]): far away, tiny, huge, turned by chance, with slivers, walls of a millimetre, slabs with a
 //! micrometre between them, a corridor of thousands of cells. Through each go ten families of rays ([`Family`]). Every ray is answered alone by each
-//! kernel, in a batch, in brief, and as a segment; answers must be the same in every bit. The answer is judged by the truth of
-//! [`crate::oracle`], and where that denies it or grants it past an edge only, in exact arithmetic. From a quarter of what is met the ray goes on as from a mirror.
+//! kernel, in a batch, in brief, and as a segment; answers must be the same. The answer is judged by the truth of
+//! [`crate::oracle`]; where that denies it, by rays a little aside and in exact arithmetic. From a quarter of what is met the ray goes on as from a mirror.
 //!
 //! What is counted as bad: wrong answers, rays that escape out of a closed room, ways that disagree, surfaces that are met again by a ray that
 //! starts on them, panics. That a ray has several exact answers is no fault: ties are counted apart. The report depends on the options alone, but for times.
@@ -136,9 +136,11 @@ fn run(
             if options.watch.is_cancelled() {
                 return Ok(());
             }
-            options.watch.report(&format!("{} {}", trial.name, family.name()), wave as f64 / blocks as f64);
             let parts = crate::parallel::map(WAVE.min(blocks - wave) as usize, |block| {
                 let first = (wave + block as u64) * BLOCK;
+                // What is stuck is known by the last that began.
+                let place = format!("{} {} from {first} on", trial.name, family.name());
+                options.watch.report(&place, (first as f64 / each as f64).min(0.999));
                 stage.block(family, first..each.min(first + BLOCK))
             });
             parts.into_iter().for_each(|part| found.merge(part, options.cases));

@@ -40,7 +40,7 @@ pub struct Counts {
     pub wrong_onward: u64,
     /// Rays that panicked.
     pub panics: u64,
-    /// The longest mean time of a ray in a block, all its ways and its judgement: microseconds. Not the same in every run.
+    /// The longest mean time of a ray in a block, all its ways and its judgement: microseconds. The one figure that is not the same in every run.
     pub slowest_us: f64,
 }
 
@@ -202,6 +202,7 @@ impl StressReport {
         }
         let bad = self.total.bad();
         let _ = match (bad, self.refused.len()) {
+            _ if self.total.rays == 0 => writeln!(out, "failed: no rays were sent"),
             (0, 0) => writeln!(out, "passed: {} rays, nothing bad", self.total.rays),
             (bad, refused) => writeln!(out, "failed: {bad} bad answers, {refused} trials not compiled"),
         };

@@ -211,7 +211,7 @@ fn round() -> Shapes {
     ]
 }
 
-/// One wall is of parts that stand out of each other, a millimetre to a billionth of one.
+/// One wall is of parts that stand out of each other, by 1e-3 to 1e-12 m.
 fn near_coplanar() -> Shapes {
     let (mut shapes, [_, [_, y, z]]) = (room(ROOM), ROOM);
     for (i, power) in (-12..=-3).enumerate() {
@@ -225,7 +225,7 @@ fn near_coplanar() -> Shapes {
     shapes
 }
 
-/// Posts that lean by a billionth to a hundredth.
+/// Posts that lean by 1e-12 to 1e-2.
 fn near_vertical() -> Shapes {
     let (mut shapes, [_, [_, _, z]]) = (room(ROOM), ROOM);
     for (i, power) in (-12..=-2).enumerate() {

@@ -119,7 +119,7 @@ impl Scene {
     #[inline(never)]
     pub(super) fn is_beside_solids(&self, point: DVec3) -> bool {
         let step = aside(point);
-        let ways = ASIDE.iter().flat_map(|&way| [way, -way]).chain([DVec3::ZERO]);
+        let ways = std::iter::once(DVec3::ZERO).chain(ASIDE.iter().flat_map(|&way| [way, -way]));
         ways.map(|way| point + way * step).all(|point| self.solid_at(point.to_array()).is_none())
     }
 

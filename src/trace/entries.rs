@@ -113,7 +113,7 @@ pub(super) mod portable {
     use crate::trace::ray::Ray;
     use crate::trace::walk::Surface;
 
-    /// The prism of air that holds a point, where that is in no doubt.
+    /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.
     #[inline(never)]
     pub(in crate::trace) fn free(tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
         free::free::<Portable>(tables, point, hint)
@@ -335,7 +335,7 @@ macro_rules! entries {
             unsafe { run_here(ask, tables, query) }
         }
 
-        /// The prism of air that holds a point, where that is in no doubt.
+        /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.
         ///
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).

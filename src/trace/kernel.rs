@@ -81,7 +81,7 @@ impl Kernel {
         }
     }
 
-    /// The prism of air that holds a point, where that is in no doubt; perhaps `hint`.
+    /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too; perhaps `hint`.
     #[inline]
     pub(super) fn free(self, tables: &Views, point: [f64; 3], hint: u32) -> Option<(u32, bool)> {
         match self.0 {

@@ -56,14 +56,24 @@ impl<'a> Walk<'a> {
         each(self.triangles[triangle as usize], |v| DVec3::from(self.vertices[v as usize]))
     }
 
+    /// Whether a ray along `direction` leaves a solid for the air through this triangle of it.
+    pub(super) fn is_way_out(&self, triangle: u32, direction: DVec3) -> bool {
+        let volume = self.volumes.get(self.volume_of(triangle) as usize);
+        volume.is_some_and(|volume| {
+            volume.role == enfilade_importers::Role::Solid as u32
+                && volume.by_winding == 1
+                && !self.looks_against(triangle, direction)
+        })
+    }
+
     /// The volume that a triangle is of, or none.
     fn volume_of(&self, triangle: u32) -> u32 {
         self.run_of.get(triangle as usize).map_or(NONE, |&run| self.runs[run as usize].volume)
     }
 
-    /// Whether a triangle's normal looks the other way than `normal`.
+    /// Whether a triangle's normal looks the other way than `normal`, or there is no such triangle.
     fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
-        let Some(&corners) = self.triangles.get(triangle as usize) else { return false };
+        let Some(&corners) = self.triangles.get(triangle as usize) else { return true };
         let [a, b, c] = each(corners, |v| DVec3::from(self.vertices[v as usize]));
         (b - a).cross(c - a).dot(normal) < 0.0
     }
@@ -109,7 +119,8 @@ pub(super) struct Surface {
     pub(super) normal: DVec3,
     /// How far, metres, the ray's origin may be off this surface and those that meet it there, by rounding.
     pub(super) near: f64,
-    /// No deeper, metres, the origin may be in a solid that meets the surface there: what its ray came by may have been met as far aside.
+    /// No deeper, metres, the origin may be in a solid that meets the surface there: what its ray came by may have been met as far aside. Of a ray
+    /// that is not known to be in the air no more than [`Surface::near`].
     pub(super) deep: f64,
     /// Hits before this do not count, save on solids that the ray enters where it starts.
     pub(super) tmin: f64,
@@ -120,13 +131,13 @@ pub(super) struct Surface {
 const BEHIND: f64 = 1e4;
 
 /// The same for [`Surface::deep`].
-const DEEP: f64 = 64.0;
+const BEHIND_DEEP: f64 = 64.0;
 
 impl Surface {
     /// How far, metres, behind the ray's origin anything is looked for.
     #[inline(always)]
     pub(super) fn behind(&self) -> f64 {
-        (BEHIND * self.near).max(DEEP * self.deep)
+        (BEHIND * self.near).max(BEHIND_DEEP * self.deep)
     }
 }
 
@@ -323,9 +334,7 @@ impl<'s> Query<'s> {
             return t >= surface.tmin;
         }
         if is_in_plane
-            && (!is_there
-                || volume == walk.volume_of(surface.triangle)
-                || !walk.looks_against(surface.triangle, normal))
+            && (volume == walk.volume_of(surface.triangle) || !walk.looks_against(surface.triangle, normal))
         {
             // In the plane itself, or behind it; or the other side of something that thin.
             return false;

@@ -12,12 +12,13 @@ use crate::trace::Ray;
 impl Truth {
     /// Whether an answer is that to a parallel ray a little aside, whose origin need be no f64: how far, metres. The answer says that the
     /// ray meets the triangle `corners` of `element` at `t`, a place that the triangle comes within the tolerance of. Finds witnesses where
-    /// things are narrower than f64 is fine; what neither ray starts inside of does not count. `None` is no proof that there is none.
+    /// things are narrower than f64 is fine. What the witness starts inside of is asked in f64: within rounding of a surface that may be either. `None` is
+    /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well.
         const INWARD: [f64; 4] = [1e-12, 1e-9, 1e-6, 1e-4];
         let line = Line::new(ray)?;
-        if !(t >= first_t(ray) && t <= ray.tmax) {
+        if !(t >= first_t(ray) && t <= ray.tmax && t.is_finite()) {
             return None;
         }
         let weights = nearest_weights(line.at(t), corners);
