@@ -79,7 +79,8 @@ fn wrong_answers_are_told() {
             let near = stage.judge.worth(&ray, &Answer::Hit(Hit { t: hit.t + 2e-4, ..hit }));
             assert!(matches!(near, Worth::Close | Worth::Beside), "{ray:?}");
         }
-        assert!(hits > 200 && wrong >= 6 * hits - 3, "{wrong} of {hits}");
+        // A ray that comes to a wall at a small angle meets it a centimetre on for one a millimetre beside.
+        assert!(hits > 200 && 50 * wrong >= 49 * 6 * hits, "{wrong} of {hits}");
     });
 }
 
