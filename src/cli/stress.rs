@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use enfilade::importers::Watch;
-use enfilade::stress::{Family, StressOptions, stress, trials};
+use enfilade::stress::{Family, StressOptions, stress};
 
 use super::failure::{Failure, Outcome};
 use super::input::Resources;
@@ -55,27 +55,19 @@ fn parse_family(name: &str) -> Result<Family, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let is_wanted = |name: &str| {
-        arguments.trials.is_empty() || arguments.trials.iter().any(|part| name.contains(part.as_str()))
-    };
-    let names: Vec<String> = trials(arguments.long, arguments.seed)
-        .into_iter()
-        .map(|trial| trial.name)
-        .filter(|name| is_wanted(name))
-        .collect();
-    if names.is_empty() {
-        return Err(Failure::usage("no such trial: see --list, and --long --list"));
-    }
-    if arguments.list {
-        return output::print(&(names.join("\n") + "\n"));
-    }
     let mut options = StressOptions::default();
     options.rays = arguments.rays;
     options.long = arguments.long;
     options.trials = arguments.trials.clone();
     options.families = arguments.families.clone();
     options.seed = arguments.seed;
-
+    let names: Vec<String> = options.chosen().into_iter().map(|trial| trial.name).collect();
+    if names.is_empty() {
+        return Err(Failure::usage("no such trial: see --list, and --long --list"));
+    }
+    if arguments.list {
+        return output::print(&(names.join("\n") + "\n"));
+    }
     // What never ends cannot tell so: another thread waits for signs of life.
     let seen = Arc::new(Mutex::new((Instant::now(), String::new())));
     let (bar, signs) = (arguments.resources.watch(), Arc::clone(&seen));

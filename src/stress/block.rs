@@ -168,11 +168,8 @@ impl Stage<'_> {
         }
         let mut many = vec![Hit::ESCAPED; rays.len()];
         scene.trace_many(rays, &mut many, Want::LEAST);
-        let pairs = |many: &[Hit]| {
-            let differ = many.iter().zip(hits).enumerate().filter(|(_, (a, b))| !is_same(a, b));
-            differ.map(|(number, _)| number).collect::<Vec<_>>()
-        };
-        unlike.extend(pairs(&many).into_iter().map(|number| (number, "a batch")));
+        let differ = many.iter().zip(hits).enumerate().filter(|(_, (a, b))| !is_same(a, b));
+        unlike.extend(differ.map(|(number, _)| (number, "a batch")));
         let mut briefs = vec![Brief { t: 0.0, triangle: 0, cell: 0 }; rays.len()];
         scene.trace_brief_many(Starts::Anywhere, rays, &mut briefs);
         for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {

@@ -45,7 +45,7 @@ impl Judge<'_> {
         if let Answer::Hit(Hit { t, .. }) = answer
             && !(*t >= ray.tmin.max(0.0) - rounding(*t) && *t <= ray.tmax + rounding(*t))
         {
-            // Not a number, too.
+            // Outside of the ray, or no number.
             return Worth::Wrong(self.truth.judge(ray, answer));
         }
         let is_same = match (answer, &exact) {
@@ -176,7 +176,7 @@ impl Judge<'_> {
             return true;
         }
         let between = Ray { tmin: from, tmax: to, ..*ray };
-        // Somewhere on the way, and where it starts.
+        // Halfway: it may start within a surface.
         let is_air = |t: f64| self.truth.solids_at(at(ray, t)).is_empty();
         let far = if to.is_finite() { to } else { from + 1.0 };
         self.truth.first(&between).is_none() && is_air(from + 0.5 * (far - from))

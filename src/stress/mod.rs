@@ -63,6 +63,16 @@ impl Default for StressOptions {
     }
 }
 
+impl StressOptions {
+    /// The trials that they name.
+    pub fn chosen(&self) -> Vec<Trial> {
+        let is_chosen = |name: &str| {
+            self.trials.is_empty() || self.trials.iter().any(|part| name.contains(part.as_str()))
+        };
+        trials(self.long, self.seed).into_iter().filter(|trial| is_chosen(&trial.name)).collect()
+    }
+}
+
 /// Rays of a block, which is sent by one thread.
 const BLOCK: u64 = 1 << 10;
 
@@ -74,11 +84,7 @@ const WAVE: u64 = 256;
 /// # Errors
 /// If the watch's token was cancelled.
 pub fn stress(options: &StressOptions) -> Result<StressReport, Cancelled> {
-    let is_wanted = |name: &str| {
-        options.trials.is_empty() || options.trials.iter().any(|part| name.contains(part.as_str()))
-    };
-    let trials: Vec<Trial> =
-        trials(options.long, options.seed).into_iter().filter(|trial| is_wanted(&trial.name)).collect();
+    let trials = options.chosen();
     let families = if options.families.is_empty() { Family::ALL.to_vec() } else { options.families.clone() };
     let each = options.rays.div_ceil((trials.len() * families.len()).max(1) as u64);
     let mut report = StressReport {
