@@ -1,8 +1,10 @@
-//! Measuring: how fast, and how right.
+//! Measuring: how fast, how right, and what becomes of it in buildings that are drawn badly.
 
 mod cells;
 mod error;
 mod frozen;
+mod plot;
+mod robust;
 mod speed;
 mod tracers;
 mod way;
@@ -10,6 +12,7 @@ mod way;
 pub use cells::{CrossingOptions, Crossings, crossings};
 pub use error::{ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, ImageError, Spread, error};
 pub use frozen::{FrozenError, FrozenScene};
+pub use robust::{Damage, RobustError, RobustOptions, RobustReport, RobustRow, robust};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, error_names, names};
 pub use way::Way;

@@ -9,7 +9,7 @@ use enfilade::bench::{ErrorOptions, FrozenScene, SpeedOptions, error, error_name
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
 use enfilade::importers::{ImportOptions, Model};
-use enfilade::plan::{plan_png, plan_svg};
+use enfilade::plan::{Drawing, plan_png, plan_svg};
 use enfilade::render::{Camera, parse_cameras, room_views};
 use enfilade::{CompileOptions, Scene, compile};
 
@@ -22,7 +22,7 @@ use super::render::{parse_picture_size, read_cameras};
 const FIGURE: u32 = 1400;
 
 /// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong; with `cells`, how many cells rays
-/// cross.
+/// cross; with `robust`, what growing damage does to all that.
 #[derive(Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -35,6 +35,7 @@ Examples:
   enfilade bench error house.enf --model house.glb
   enfilade bench error --frozen house --figure house.svg --figure house.png
   enfilade bench cells house.glb
+  enfilade bench robust --frozen house --figure robust.svg
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
 by itself on the same triangles."
@@ -58,6 +59,7 @@ enum What {
     Cells(super::bench_cells::Arguments),
     /// Time beside error, by exact arithmetic: pixels that are wrong, how far the others are off, leaks, surfaces met twice, pictures.
     Error(Error),
+    Robust(super::bench_robust::Arguments),
 }
 
 #[derive(Args)]
@@ -148,6 +150,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     match (&arguments.what, &arguments.scene, &arguments.frozen) {
         (Some(What::Cells(cells)), ..) => super::bench_cells::run(cells),
         (Some(What::Error(error)), ..) => run_error(error),
+        (Some(What::Robust(robust)), ..) => super::bench_robust::run(robust),
         (None, Some(scene), _) => run_speed(common, || {
             let scene = common.scene(scene)?;
             let views = common.views(&scene)?;
@@ -156,6 +159,20 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         (None, None, Some(name)) => run_speed(common, || frozen(name)),
         (None, None, None) => Err(Failure::usage("which scene? see enfilade bench --help")),
     }
+}
+
+/// Writes a figure to files, as their names end.
+pub fn draw(paths: &[PathBuf], drawing: impl Fn() -> Drawing) -> Result<(), Failure> {
+    for path in paths {
+        let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        let bytes = if is_png {
+            plan_png(&drawing(), FIGURE).map_err(|e| Failure::usage(e.to_string()))?
+        } else {
+            plan_svg(&drawing()).into_bytes()
+        };
+        output::write(Some(path), |out| out.write_all(&bytes))?;
+    }
+    Ok(())
 }
 
 /// The cameras of a file; by default two level views from the middle of each room, as many as the documented figures use.
@@ -262,16 +279,7 @@ fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
         }
         options.threads = common.pool().threads;
         let report = error(&scene, &model, &views, &[], &options).map_err(Failure::input)?;
-        for path in &arguments.figure {
-            let drawing = report.chart(&name);
-            let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-            let bytes = if is_png {
-                plan_png(&drawing, FIGURE).map_err(|e| Failure::usage(e.to_string()))?
-            } else {
-                plan_svg(&drawing).into_bytes()
-            };
-            output::write(Some(path), |out| out.write_all(&bytes))?;
-        }
+        draw(&arguments.figure, || report.chart(&name))?;
         if common.json {
             return output::print_json(&report);
         }

@@ -3,6 +3,7 @@
 
 mod bench;
 mod bench_cells;
+mod bench_robust;
 mod compile;
 mod doors;
 mod export;

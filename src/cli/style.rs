@@ -20,6 +20,18 @@ pub struct StyleArguments {
     style_seed: u64,
     #[command(flatten)]
     shares: Shares,
+    /// All rooms end so far before walls, floor and ceiling, metres; if negative, they reach into them.
+    #[arg(long, value_name = "METRES", value_parser = parse_length, allow_hyphen_values = true)]
+    room_gap: Option<f64>,
+    /// All faces of walls, slabs and the like lie so far inward, metres; if negative, outward.
+    #[arg(long, value_name = "METRES", value_parser = parse_length, allow_hyphen_values = true)]
+    solid_gap: Option<f64>,
+    /// Each corner of each element is off by up to so much along each axis, metres: no face is quite planar.
+    #[arg(long, value_name = "METRES", value_parser = parse_size)]
+    jitter: Option<f64>,
+    /// Each corner of each triangle is off by up to so much along each axis, metres: nothing is closed.
+    #[arg(long, value_name = "METRES", value_parser = parse_size)]
+    noise: Option<f64>,
     /// A space over all rooms of each storey.
     #[arg(long)]
     storey_spaces: bool,
@@ -117,6 +129,14 @@ impl StyleArguments {
         };
         style.seed = self.style_seed;
         self.shares.apply(&mut style);
+        for (length, given) in [
+            (&mut style.room_gap, self.room_gap),
+            (&mut style.solid_gap, self.solid_gap),
+            (&mut style.jitter, self.jitter),
+            (&mut style.noise, self.noise),
+        ] {
+            *length = given.unwrap_or(*length);
+        }
         style.storey_spaces |= self.storey_spaces;
         style.off_grid |= self.off_grid;
         style.turned |= self.turned;
@@ -135,6 +155,20 @@ fn parse_share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
         _ => Err("must be a number from 0 to 1".to_owned()),
+    }
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length.is_finite() => Ok(length),
+        _ => Err("must be a number".to_owned()),
+    }
+}
+
+fn parse_size(text: &str) -> Result<f64, String> {
+    match parse_length(text)? {
+        size if size >= 0.0 => Ok(size),
+        _ => Err("must not be negative".to_owned()),
     }
 }
 
@@ -169,6 +203,19 @@ mod tests {
             let sum: f64 = some.shares_mut().iter().map(|(_, share)| **share).sum();
             assert_eq!(sum, 0.25);
         }
+    }
+
+    #[test]
+    fn every_length_has_a_flag_of_its_name() {
+        for (name, _) in Style::exact().lengths_mut() {
+            let mut expected = Style::exact();
+            *expected.lengths_mut().into_iter().find(|(other, _)| *other == name).unwrap().1 = 0.002;
+            assert_eq!(style(&format!("x --{name} 0.002")).unwrap(), expected);
+        }
+        let mut overlapping = Style::exact();
+        (overlapping.room_gap, overlapping.solid_gap) = (-0.01, -1e-3);
+        assert_eq!(style("x --room-gap -0.01 --solid-gap -1e-3").unwrap(), overlapping);
+        assert!(style("x --jitter -1").is_err() && style("x --noise inf").is_err());
     }
 
     #[test]

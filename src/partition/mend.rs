@@ -11,8 +11,9 @@ use glam::DVec3;
 
 use crate::components::rotated;
 
-/// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle.
-const WELD: f64 = 1e-4;
+/// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle. What the first does not close is
+/// tried with the next.
+const WELDS: [f64; 4] = [1e-4, 3e-4, 1e-3, 4e-3];
 
 /// Times that edges are split, each near its middle.
 const ROUNDS: usize = 8;
@@ -44,9 +45,26 @@ pub(super) fn mend(mesh: &Mesh, of: &[u32]) -> Mended {
         same.mesh.triangles = of.iter().map(|&t| mesh.triangles[t as usize]).collect();
         return same;
     }
-    let mut mended = weld(mesh, of);
+    let first = mend_within(mesh, of, WELDS[0]);
+    if first.is_closed() {
+        return first;
+    }
+    // Farther than they must corners are not moved, nor for nothing.
+    let others = WELDS[1..].iter().map(|&farthest| mend_within(mesh, of, farthest));
+    others.into_iter().find(Mended::is_closed).unwrap_or(first)
+}
+
+impl Mended {
+    fn is_closed(&self) -> bool {
+        !self.mesh.triangles.is_empty() && edges(&self.mesh).values().all(|of| of.len() % 2 == 0)
+    }
+}
+
+/// The same, of corners no farther apart than `farthest`.
+fn mend_within(mesh: &Mesh, of: &[u32], farthest: f64) -> Mended {
+    let mut mended = weld(mesh, of, farthest);
     for _ in 0..ROUNDS {
-        if !split(&mut mended) {
+        if !split(&mut mended, farthest) {
             break;
         }
     }
@@ -78,8 +96,8 @@ fn move_inside(mended: &mut Mended, taken: &[bool]) {
     }
 }
 
-/// Joins corners that lie near each other to the first of them.
-fn weld(mesh: &Mesh, of: &[u32]) -> Mended {
+/// Joins corners that lie no farther than `farthest` from each other to the first of them.
+fn weld(mesh: &Mesh, of: &[u32], farthest: f64) -> Mended {
     let mut mended = Mended::default();
     let mut cubes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let mut number: HashMap<u32, u32> = HashMap::new();
@@ -87,13 +105,13 @@ fn weld(mesh: &Mesh, of: &[u32]) -> Mended {
     let mut welded = |v: u32| {
         *number.entry(v).or_insert_with(|| {
             let p = DVec3::from(mesh.positions[v as usize]);
-            let cube = (p / WELD).floor().to_array().map(|c| c as i64);
+            let cube = (p / farthest).floor().to_array().map(|c| c as i64);
             let near = (0..27).flat_map(|i: i64| {
                 let by = [i % 3, i / 3 % 3, i / 9].map(|c| c - 1);
                 let other = [0, 1, 2].map(|axis| cube[axis].saturating_add(by[axis]));
                 cubes.get(&other).map_or(&[][..], Vec::as_slice).iter().copied()
             });
-            let same = near.filter(|&w| DVec3::from(positions[w as usize]).distance(p) <= WELD).min();
+            let same = near.filter(|&w| DVec3::from(positions[w as usize]).distance(p) <= farthest).min();
             same.unwrap_or_else(|| {
                 let new = positions.len() as u32;
                 positions.push(p.to_array());
@@ -126,7 +144,7 @@ fn edges(mesh: &Mesh) -> HashMap<[u32; 2], Vec<u32>> {
 }
 
 /// Splits the triangles at open edges where another open edge ends on them. Whether any was.
-fn split(mended: &mut Mended) -> bool {
+fn split(mended: &mut Mended, farthest: f64) -> bool {
     let mut open: Vec<[u32; 2]> =
         edges(&mended.mesh).into_iter().filter(|(_, of)| of.len() % 2 == 1).map(|(edge, _)| edge).collect();
     open.sort_unstable();
@@ -145,7 +163,8 @@ fn split(mended: &mut Mended) -> bool {
         let on = ends.iter().copied().filter(|v| !edge.contains(v)).filter_map(|v| {
             let along = (at(v) - a).dot(way) / length;
             let off = (at(v) - a - way * (along / length)).length();
-            (off <= WELD && along > WELD && along < length - WELD).then_some((along - length / 2.0, v))
+            (off <= farthest && along > farthest && along < length - farthest)
+                .then_some((along - length / 2.0, v))
         });
         // The one nearest to the middle, of equals the first.
         if let Some((_, v)) = on.min_by(|x, y| x.0.abs().total_cmp(&y.0.abs()).then(x.1.cmp(&y.1))) {
@@ -299,6 +318,22 @@ mod tests {
         }
         let (volume, mended) = volume(&mesh(&quads));
         assert!((volume - 3.0).abs() < 1e-4 && mended.inner.is_empty(), "{volume}");
+    }
+
+    #[test]
+    fn corners_are_joined_no_farther_than_it_takes() {
+        for (off, most) in [(2e-5, 1e-4), (9e-5, 3e-4), (2.5e-4, 1e-3), (1e-3, 4e-3)] {
+            let mut quads = cuboid([0.0; 3], [4.0, 0.3, 2.5]);
+            for (i, p) in quads.iter_mut().flatten().enumerate() {
+                p[i % 3] += off * ((i % 5) as f64 / 2.0 - 1.0);
+            }
+            // As near as its thickness.
+            let thin = cuboid([9.0, 0.0, 0.0], [9.0 + 2.0 * most, 1.0, 1.0]);
+            let (volume, mended) = volume(&mesh(&quads));
+            assert!((volume - 3.0).abs() < 20.0 * off && mended.mesh.positions.len() == 8, "{off}: {volume}");
+            let all: Vec<u32> = (0..12).collect();
+            assert_eq!(mend(&mesh(&thin), &all).mesh.positions.len(), 8);
+        }
     }
 
     #[test]

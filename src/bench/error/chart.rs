@@ -1,7 +1,8 @@
 //! Time against error, drawn: each way a dot, and the front of those that no other is both faster and more accurate than.
 
-use crate::plan::{Anchor, Color, Drawing, Shape};
+use crate::plan::{Anchor, Color, Drawing};
 
+use super::super::plot::{GREY, Scale, dot, lines, text};
 use super::{ErrorReport, ErrorRow};
 
 /// The sheet: width and height, and the frame within it. In the units of drawings, of which a sheet in print has a hundred to the metre.
@@ -11,38 +12,9 @@ const FRAME: [[f64; 2]; 2] = [[2.2, 1.4], [13.2, 10.0]];
 /// No error is drawn as less than this, metres.
 const LEAST_ERROR: f64 = 1e-17;
 
-const BLACK: Color = [20, 20, 20];
-const GREY: Color = [215, 215, 215];
 const FRONT: Color = [120, 120, 120];
 const RIGHT: Color = [25, 95, 170];
 const WRONG: Color = [200, 40, 40];
-
-/// A scale of powers of ten.
-struct Scale {
-    /// The exponents at its ends, whole numbers.
-    ends: [i32; 2],
-    /// Where those are on the sheet.
-    places: [f64; 2],
-}
-
-impl Scale {
-    /// From the power of ten at or below the least of some numbers to that at or above the greatest.
-    fn around(numbers: impl Iterator<Item = f64>, places: [f64; 2]) -> Scale {
-        let [lo, hi] = numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], number| {
-            let power = number.log10();
-            [lo.min(power), hi.max(power)]
-        });
-        let [lo, hi] = if lo.is_finite() && hi.is_finite() { [lo.floor(), hi.ceil()] } else { [0.0, 1.0] };
-        let (lo, hi) = (lo as i32, hi as i32);
-        Scale { ends: [lo, hi.max(lo + 1)], places }
-    }
-
-    fn place(&self, number: f64) -> f64 {
-        let [lo, hi] = self.ends.map(f64::from);
-        let share = (number.log10() - lo) / (hi - lo);
-        self.places[0] + share * (self.places[1] - self.places[0])
-    }
-}
 
 /// The error that is drawn: the root of the mean square of the backward error.
 fn error_of(row: &ErrorRow) -> f64 {
@@ -66,46 +38,30 @@ pub(super) fn front(rows: &[ErrorRow]) -> Vec<usize> {
     order
 }
 
-fn text(at: [f64; 2], size: f64, anchor: Anchor, text: String) -> Shape {
-    Shape::Text { at, size, anchor, color: BLACK, text }
-}
-
-fn lines(lines: Vec<Vec<[f64; 2]>>, color: Color, width: f64) -> Shape {
-    Shape::Lines { lines, color, width }
-}
-
-/// A disc.
-fn dot([x, y]: [f64; 2], radius: f64, fill: Color, title: String) -> Shape {
-    let corners = (0..24).map(|i| f64::from(i) / 24.0 * std::f64::consts::TAU);
-    let polygon = corners.map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()]).collect();
-    Shape::Area { polygons: vec![polygon], fill, stroke: None, title }
-}
-
 impl ErrorReport {
     /// Nanoseconds a ray against the root of the mean square of the backward error, both in powers of ten, for
     /// [`plan_svg`](crate::plan::plan_svg) and [`plan_png`](crate::plan::plan_png). Ways that are wrong anywhere are red; a line leads along the
     /// Pareto front of the others.
     pub fn chart(&self, title: &str) -> Drawing {
         let [[left, bottom], [right, top]] = FRAME;
-        let across = Scale::around(self.rows.iter().map(|row| row.ns_per_ray), [left, right]);
-        let up = Scale::around(self.rows.iter().map(error_of), [bottom, top]);
+        let across = Scale::powers(self.rows.iter().map(|row| row.ns_per_ray), [left, right]);
+        let up = Scale::powers(self.rows.iter().map(error_of), [bottom, top]);
         let place = |row: &ErrorRow| [across.place(row.ns_per_ray), up.place(error_of(row))];
         let mut shapes =
             vec![text([left, top + 0.4], 0.5, Anchor::Start, format!("{title}: error against time"))];
-        for power in across.ends[0]..=across.ends[1] {
+        for power in -2..6 {
             for step in [1.0, 2.0, 5.0] {
                 let time = step * 10f64.powi(power);
                 let x = across.place(time);
-                if x < right + 0.01 {
+                if (left - 0.01..right + 0.01).contains(&x) {
                     shapes.push(lines(vec![vec![[x, bottom], [x, top]]], GREY, 0.02));
                     shapes.push(text([x, bottom - 0.5], 0.4, Anchor::Middle, time.to_string()));
                 }
             }
         }
-        for power in up.ends[0]..=up.ends[1] {
-            let y = up.place(10f64.powi(power));
+        for (y, name) in up.marks() {
             shapes.push(lines(vec![vec![[left, y], [right, y]]], GREY, 0.02));
-            shapes.push(text([left - 0.9, y - 0.1], 0.4, Anchor::Middle, format!("1e{power}")));
+            shapes.push(text([left - 0.9, y - 0.1], 0.4, Anchor::Middle, name));
         }
         let middle = (left + right) / 2.0;
         shapes.push(text([middle, bottom - 1.1], 0.45, Anchor::Middle, "ns a ray".to_owned()));

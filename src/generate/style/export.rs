@@ -14,7 +14,7 @@ use super::ends::Contacts;
 use super::floors;
 use super::identity::{Label, labels};
 use super::mesh::{Cut, Finish, Part};
-use super::place::{Move, Placement};
+use super::place::{Move, Placement, length};
 use super::planes::shift;
 use super::rooms::RoomShift;
 use crate::importers::{Camera, Light, Material};
@@ -105,6 +105,7 @@ impl<'a> Exporter<'a, '_> {
             let raised =
                 floors.get(&(index as u32)).filter(|floor| floor.is_below).map(|floor| floor.thickness);
             self.shift_room(&drawn, &mut points, raised);
+            self.shift_solid(&drawn, &mut points);
             objects.push(self.object(drawn, label, points, &way));
         }
         for (&room, floor) in &floors {
@@ -186,6 +187,7 @@ impl<'a> Exporter<'a, '_> {
         } else {
             RoomShift::default()
         };
+        let off = off.farther(-length(self.style.room_gap));
         let on_floor = |shift: RoomShift| match raised.zip(floors::lowest(drawn)) {
             Some((thickness, lowest)) => shift.on_floor(lowest, thickness),
             None => shift,
@@ -195,6 +197,14 @@ impl<'a> Exporter<'a, '_> {
         if whole != RoomShift::default() && !shift(drawn, points, |plane| whole.of(plane)) {
             let floor = on_floor(RoomShift::default());
             let _ = shift(drawn, points, |plane| floor.of(plane));
+        }
+    }
+
+    /// Moves the faces of a solid in or out. What cannot follow stays as it was drawn.
+    fn shift_solid(&self, drawn: &Element, points: &mut [[f64; 3]]) {
+        if drawn.kind == Kind::Solid {
+            let step = -length(self.style.solid_gap);
+            let _ = shift(drawn, points, |_| step);
         }
     }
 

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::super::building::{Element, Face};
 use super::Style;
 use super::dice::{Dice, Random};
+use super::place::length;
 
 /// How far a noisy corner is from its place at most, along each axis, metres.
 const NOISE: f64 = 1e-6;
@@ -74,7 +75,8 @@ enum Winding {
 enum Corners {
     Shared,
     Own,
-    Noisy(Random),
+    /// Off by so much at most, along each axis, metres.
+    Noisy(Random, f64),
 }
 
 impl Finish {
@@ -87,8 +89,10 @@ impl Finish {
         } else {
             Winding::Outward
         };
-        let corners = if dice.hits(style.noisy_corners, "noisy-corners", id) {
-            Corners::Noisy(dice.draw("noise", id))
+        let noise = length(style.noise)
+            + if dice.hits(style.noisy_corners, "noisy-corners", id) { NOISE } else { 0.0 };
+        let corners = if noise > 0.0 {
+            Corners::Noisy(dice.draw("noise", id), noise)
         } else if dice.hits(style.unwelded, "unwelded", id) {
             Corners::Own
         } else {
@@ -115,7 +119,7 @@ impl Finish {
         let mut noise = match self.corners {
             Corners::Shared => return parts,
             Corners::Own => None,
-            Corners::Noisy(random) => Some(random),
+            Corners::Noisy(random, most) => Some((random, most)),
         };
         parts.iter_mut().for_each(|part| take_apart(part, &mut noise));
         parts
@@ -174,12 +178,12 @@ fn compact(points: &[[f64; 3]], (material, rings): (u32, Rings)) -> Part<'static
 }
 
 /// Gives every face its own corners, and shakes them.
-fn take_apart(part: &mut Part<'_>, noise: &mut Option<Random>) {
+fn take_apart(part: &mut Part<'_>, noise: &mut Option<(Random, f64)>) {
     let mut own = Vec::new();
     for (_, rings) in &mut part.faces {
         for corner in &mut rings.corners {
             let p = part.points[*corner as usize];
-            let off = noise.as_mut().map_or([0.0; 3], |random| random.around(NOISE));
+            let off = noise.as_mut().map_or([0.0; 3], |(random, most)| random.around(*most));
             *corner = own.len() as u32;
             own.push([0, 1, 2].map(|i| p[i] + off[i]));
         }

@@ -33,7 +33,8 @@ use dice::Dice;
 ///
 /// Every option is independent of the others, and off in [`Style::exact`]. Most are *shares*, from 0 (never) to 1
 /// (always): how likely it is that an element gets the oddity. Which elements those are follows from
-/// [`Style::seed`] and the elements' identities alone. What lies outside 0..=1 counts as the nearest end.
+/// [`Style::seed`] and the elements' identities alone. What lies outside 0..=1 counts as the nearest end. Some are lengths ([`Style::room_gap`]):
+/// all elements get the oddity, by so much; what is no finite number counts as zero.
 ///
 /// ```
 /// use enfilade::generate::{HouseOptions, Style, house};
@@ -102,6 +103,18 @@ pub struct Style {
     /// Elements of several materials that become a group with a child for each material. In OBJ, which has no groups
     /// of that kind, an object for each material, without identity.
     pub split_by_material: f64,
+
+    /// By how far all faces of rooms end before where they were drawn, metres; if negative, how far they reach beyond. Added to what
+    /// [`Style::rooms_smaller`] and [`Style::rooms_larger`] do. A room that cannot follow stays.
+    pub room_gap: f64,
+    /// The same of solids: walls, slabs, columns, roofs.
+    pub solid_gap: f64,
+    /// By how far each corner of each element is off at most, along each axis, metres, by chance: no face is quite planar, neighbours miss
+    /// each other.
+    pub jitter: f64,
+    /// By how far each corner of each face is off at most, along each axis, metres, by chance: no element is closed. Added to what
+    /// [`Style::noisy_corners`] does.
+    pub noise: f64,
 
     /// Moves everything by a third of a metre and the like, and each corner of each element by up to 5 micrometres
     /// along each axis: no coordinate is a round number, and no face is quite planar.
@@ -194,6 +207,16 @@ impl Style {
             style.unit = if is_small { Unit::Millimetre } else { Unit::Centimetre };
         }
         style
+    }
+
+    /// All options that are lengths, with the names that the command line gives them.
+    pub fn lengths_mut(&mut self) -> [(&'static str, &mut f64); 4] {
+        [
+            ("room-gap", &mut self.room_gap),
+            ("solid-gap", &mut self.solid_gap),
+            ("jitter", &mut self.jitter),
+            ("noise", &mut self.noise),
+        ]
     }
 
     /// All options that are shares, with the names that the command line gives them.

@@ -21,11 +21,14 @@ const FAR: [f64; 3] = [458_123.4, 5_427_891.7, 112.3];
 pub struct Move {
     turn: Option<[f64; 2]>,
     shift: Option<[f64; 3]>,
+    /// How far corners are off at most, along each axis, metres.
+    jitter: f64,
 }
 
 impl Move {
     pub fn of(style: &Style) -> Move {
-        Move { turn: style.turned.then_some(TURN), shift: style.off_grid.then_some(OFF_GRID) }
+        let jitter = length(style.jitter) + if style.off_grid { JITTER } else { 0.0 };
+        Move { turn: style.turned.then_some(TURN), shift: style.off_grid.then_some(OFF_GRID), jitter }
     }
 
     pub fn direction(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -43,16 +46,15 @@ impl Move {
         }
     }
 
-    /// Moves the corners of an element, and shakes them if they are to be off the grid.
+    /// Moves the corners of an element, and shakes them.
     pub fn corners(&self, points: &mut [[f64; 3]], random: impl FnOnce() -> Random) {
-        if self.turn.is_none() && self.shift.is_none() {
-            return;
+        if self.turn.is_some() || self.shift.is_some() {
+            points.iter_mut().for_each(|p| *p = self.point(*p));
         }
-        points.iter_mut().for_each(|p| *p = self.point(*p));
-        if self.shift.is_some() {
+        if self.jitter > 0.0 {
             let mut random = random();
             for p in points {
-                let off = random.around(JITTER);
+                let off = random.around(self.jitter);
                 *p = [0, 1, 2].map(|i| p[i] + off[i]);
             }
         }
@@ -71,6 +73,11 @@ impl Move {
             ..camera.clone()
         }
     }
+}
+
+/// A length of a style: what is none is zero.
+pub fn length(metres: f64) -> f64 {
+    if metres.is_finite() { metres } else { 0.0 }
 }
 
 impl Style {

@@ -28,6 +28,11 @@ impl RoomShift {
         RoomShift { sides: step(), above: step(), below: step(), floor: None }
     }
 
+    /// The same, farther out by `step` on all sides.
+    pub fn farther(self, step: f64) -> RoomShift {
+        RoomShift { sides: self.sides + step, above: self.above + step, below: self.below + step, ..self }
+    }
+
     /// The same with the floor at `lowest` raised by `thickness`, both in units.
     pub fn on_floor(self, lowest: i32, thickness: i32) -> RoomShift {
         // Seen from the room the floor looks down.

@@ -146,3 +146,48 @@ fn what_excludes_each_other_takes_the_first() {
     let one = Style { noisy_corners: 1.0, ..Style::exact() };
     assert_eq!(building.export(&both).to_glb(), building.export(&one).to_glb());
 }
+
+/// How far corners are from where they were drawn at most, along any axis, metres.
+fn farthest(building: &Building, style: &Style, wanted: impl Fn(&Element) -> bool) -> f64 {
+    let (plain, moved) = (building.export(&Style::exact()), building.export(style));
+    let mut farthest = 0.0_f64;
+    for (plain, moved) in plain.objects.iter().zip(&moved.objects).filter(|(plain, _)| wanted(&plain.drawn)) {
+        for (plain, moved) in plain.parts(Cut::Triangles).iter().zip(moved.parts(Cut::Triangles)) {
+            let corners = |part: &Part<'_>| -> Vec<[f64; 3]> {
+                let all = part.faces.iter().flat_map(|(_, rings)| rings.corners());
+                all.map(|&corner| part.points[corner as usize]).collect()
+            };
+            for (p, q) in corners(plain).iter().zip(corners(&moved)) {
+                farthest = (0..3).map(|i| (p[i] - q[i]).abs()).fold(farthest, f64::max);
+            }
+        }
+    }
+    farthest
+}
+
+#[test]
+fn lengths_are_how_far_things_move() {
+    let house = house(&HouseOptions::default());
+    let is_room = |e: &Element| e.kind == Kind::Room;
+    let is_solid = |e: &Element| e.kind == Kind::Solid;
+    for gap in [1e-5, -1e-3, 0.02] {
+        let rooms = Style { room_gap: gap, ..Style::exact() };
+        assert!((farthest(&house, &rooms, is_room) - gap.abs()).abs() < 1e-9);
+        assert_eq!(farthest(&house, &rooms, |e| !is_room(e)), 0.0);
+        let solids = Style { solid_gap: gap, ..Style::exact() };
+        assert!((farthest(&house, &solids, is_solid) - gap.abs()).abs() < 1e-9);
+        assert_eq!(farthest(&house, &solids, |e| !is_solid(e)), 0.0);
+        let sign = |changed: f64, drawn: f64| (changed - drawn) * gap < 0.0;
+        let shrunk = house.export(&rooms);
+        let all = shrunk.objects.iter().filter(|object| is_room(&object.drawn));
+        assert!(all.into_iter().all(|room| sign(volume(room), room.drawn.volume())));
+    }
+    let jitter = Style { jitter: 1e-3, ..Style::exact() };
+    assert!((0.99e-3..=1e-3 + 1e-12).contains(&farthest(&house, &jitter, |_| true)));
+    let (welded, noisy) = (house.export(&jitter), Style { noise: 1e-3, ..Style::exact() });
+    assert!(welded.objects.iter().all(|object| open_edges(object) == 0));
+    assert!((0.99e-3..=1e-3 + 1e-12).contains(&farthest(&house, &noisy, |_| true)));
+    assert!(house.export(&noisy).objects.iter().all(|object| open_edges(object) > 0));
+    let none = Style { room_gap: f64::NAN, noise: f64::INFINITY, ..Style::exact() };
+    assert_eq!(house.export(&none).to_glb(), house.to_glb());
+}
