@@ -104,7 +104,7 @@ pub fn run(words: impl IntoIterator<Item = String>, out: &mut dyn Write) -> Resu
     let arguments = parse(words)?;
     let scene = load(&arguments.scene)?;
     if let Some(ends) = &arguments.ends {
-        let building = scene.building().ok_or("the scene holds no map: compile it with --topology")?;
+        let building = scene.building()?.ok_or("the scene holds no map: compile it with --topology")?;
         way(&scene, &building, ends, out)?;
     }
     let graph = scene.graph();

@@ -1,10 +1,11 @@
-//! Measuring: how fast, how right, and what becomes of it in buildings that are drawn badly.
+//! Measuring: how fast, how right, what is skipped, and what becomes of it in buildings that are drawn badly.
 
 mod cells;
 mod error;
 mod frozen;
 mod plot;
 mod robust;
+mod skip;
 mod speed;
 mod tracers;
 mod way;
@@ -13,6 +14,7 @@ pub use cells::{CrossingOptions, Crossings, crossings};
 pub use error::{ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, ImageError, Spread, error};
 pub use frozen::{FrozenError, FrozenScene};
 pub use robust::{Damage, RobustError, RobustOptions, RobustReport, RobustRow, robust};
+pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Work, skip};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, error_names, names};
 pub use way::Way;

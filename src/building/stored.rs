@@ -3,10 +3,10 @@
 use enfilade_importers::{ElementId, MaterialId};
 
 use super::{Building, Element, Face, FaceKind, Volume};
-use crate::format::MapTables;
 use crate::format::map::{
     DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord,
 };
+use crate::format::{FormatError, MapTables, MapViews};
 use crate::gmap::GMap;
 use crate::lattice::{Lattice, Plane, Point};
 use crate::partition::cells::{Label, NONE, Source};
@@ -98,8 +98,16 @@ impl Scene {
     ///
     /// The map of a file that someone else wrote may be none of a building:
     /// [`validate`](crate::validate::validate) tells.
-    pub fn building(&self) -> Option<Building> {
-        let (scene, map) = (&self.tables.scene[0], self.tables.map.as_ref()?);
+    ///
+    /// # Errors
+    /// [`FormatError`] if the map's sections are damaged: rays do not need them, and opening a file does not read them.
+    pub fn building(&self) -> Result<Option<Building>, FormatError> {
+        self.tables.check_map()?;
+        Ok(self.tables.map.as_ref().and_then(|map| self.building_of(map)))
+    }
+
+    fn building_of(&self, map: &MapViews) -> Option<Building> {
+        let scene = &self.tables.scene[0];
         let optional = |index: u32| (index != NONE).then_some(index);
         let gmap = GMap::from_alphas(map.darts.iter().map(|dart| dart.alpha));
         let dart = |index: u32| gmap.dart(index as usize);
@@ -156,7 +164,7 @@ impl Scene {
             filling: element.filling().map(ElementId),
         });
         let record = map.map.first()?;
-        // Opening has checked that all darts and numbers are there.
+        // That all darts and numbers are there was checked.
         let (sewn, faces) = (sewn.collect::<Option<_>>()?, faces.collect::<Option<_>>()?);
         let mut building = Building {
             lattice: Lattice {

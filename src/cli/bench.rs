@@ -22,7 +22,7 @@ use super::render::{parse_picture_size, read_cameras};
 const FIGURE: u32 = 1400;
 
 /// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong; with `cells`, how many cells rays
-/// cross; with `robust`, what growing damage does to all that.
+/// cross; with `robust`, what growing damage does to all that; with `skip`, what is not done, and what that saves.
 #[derive(Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -36,6 +36,7 @@ Examples:
   enfilade bench error --frozen house --figure house.svg --figure house.png
   enfilade bench cells house.glb
   enfilade bench robust --frozen house --figure robust.svg
+  enfilade bench skip house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
 by itself on the same triangles."
@@ -60,6 +61,7 @@ enum What {
     /// Time beside error, by exact arithmetic: pixels that are wrong, how far the others are off, leaks, surfaces met twice, pictures.
     Error(Error),
     Robust(super::bench_robust::Arguments),
+    Skip(super::bench_skip::Arguments),
 }
 
 #[derive(Args)]
@@ -151,6 +153,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         (Some(What::Cells(cells)), ..) => super::bench_cells::run(cells),
         (Some(What::Error(error)), ..) => run_error(error),
         (Some(What::Robust(robust)), ..) => super::bench_robust::run(robust),
+        (Some(What::Skip(skip)), ..) => super::bench_skip::run(skip),
         (None, Some(scene), _) => run_speed(common, || {
             let scene = common.scene(scene)?;
             let views = common.views(&scene)?;

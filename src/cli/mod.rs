@@ -4,6 +4,7 @@
 mod bench;
 mod bench_cells;
 mod bench_robust;
+mod bench_skip;
 mod compile;
 mod doors;
 mod export;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use enfilade::Scene;
+use enfilade::format::FormatError;
 use enfilade::plan::{Mark, PlanOptions, PlanStorey, floor_plan, plan_png, plan_storeys, plan_svg};
 use enfilade::render::numbered;
 use enfilade::validate::examine;
@@ -69,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     arguments.resources.in_pool(|| {
         let scene = arguments.reading.scene_with_map(&arguments.input, &arguments.resources)?;
-        let options = options(arguments, &scene);
+        let options = options(arguments, &scene)
+            .map_err(|e| Failure::input(format!("{}: {e}", arguments.input.display())))?;
         let storeys = chosen(arguments, plan_storeys(&scene))?;
         // One after the other: a picture may take a gigabyte.
         for (index, storey) in storeys.iter().enumerate() {
@@ -87,12 +89,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 }
 
 /// How to draw, with the findings of the building, if the scene has its map.
-fn options(arguments: &Arguments, scene: &Scene) -> PlanOptions {
+fn options(arguments: &Arguments, scene: &Scene) -> Result<PlanOptions, FormatError> {
     let mut options = PlanOptions::default();
     options.height = arguments.height;
     options.cells = arguments.cells;
     options.detail = !arguments.no_detail;
-    if let Some(building) = scene.building() {
+    if let Some(building) = scene.building()? {
         let mark = |finding: enfilade::validate::Finding| {
             let element = finding.element.and_then(|e| building.elements.get(e.0 as usize));
             let name = element.map_or("", |e| if e.name.is_empty() { &e.id } else { &e.name });
@@ -101,7 +103,7 @@ fn options(arguments: &Arguments, scene: &Scene) -> PlanOptions {
         };
         options.marks = examine(&building).findings.into_iter().map(mark).collect();
     }
-    options
+    Ok(options)
 }
 
 fn chosen(arguments: &Arguments, storeys: Vec<PlanStorey>) -> Result<Vec<PlanStorey>, Failure> {

@@ -88,7 +88,8 @@ fn building(arguments: &Arguments) -> Result<(String, Building, Frame), Failure>
     let path = &arguments.input;
     if is_scene(path) {
         let scene = Scene::open(path).map_err(Failure::input)?;
-        let building = scene.building().ok_or_else(|| {
+        let told = scene.building().map_err(|e| Failure::input(format!("{}: {e}", path.display())))?;
+        let building = told.ok_or_else(|| {
             let without =
                 "the scene was compiled without its map: compile it with --topology, or validate the model";
             Failure::input(format!("{}: {without}", path.display()))

@@ -203,22 +203,26 @@ pub fn read_table(file: &[u8]) -> Result<Vec<SectionEntry>, FormatError> {
     Ok(table)
 }
 
-/// The bytes of a section, its checksum checked.
+/// Whether `bytes` are those that a section was written with.
 ///
 /// # Errors
 /// [`FormatError::Checksum`].
-pub fn section<'a>(file: &'a [u8], entry: &SectionEntry) -> Result<&'a [u8], FormatError> {
-    // In range: `read_table` has checked it.
-    let bytes = &file[entry.offset as usize..(entry.offset + entry.len) as usize];
-    if XxHash3_64::oneshot(bytes) != entry.checksum {
-        return Err(FormatError::Checksum(entry.name()));
+pub fn check(bytes: &[u8], entry: &SectionEntry) -> Result<(), FormatError> {
+    if XxHash3_64::oneshot(bytes) == entry.checksum {
+        Ok(())
+    } else {
+        Err(FormatError::Checksum(entry.name()))
     }
-    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn section<'a>(file: &'a [u8], entry: &SectionEntry) -> Result<&'a [u8], FormatError> {
+        let bytes = &file[entry.offset as usize..(entry.offset + entry.len) as usize];
+        check(bytes, entry).map(|()| bytes)
+    }
 
     fn example() -> Vec<u8> {
         write(&[

@@ -14,6 +14,8 @@ pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
 pub use kind::FaceKind;
 pub(crate) use storage::{Storage, View};
+#[cfg(feature = "compile")]
+pub(crate) use tables::MapViews;
 pub(crate) use tables::Views;
 pub(crate) use tables::{MAX_DEPTH, WHOLE_BIT};
 pub use tables::{MapTables, Tables};

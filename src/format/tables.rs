@@ -71,6 +71,14 @@ macro_rules! sections {
         impl $views {
             const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
 
+            /// The bytes of a section.
+            fn bytes(&self, name: &str) -> Option<&[u8]> {
+                $(if name == stringify!($field) {
+                    return Some(bytemuck::cast_slice(&self.$field));
+                })*
+                None
+            }
+
             fn find(storage: &Arc<Storage>, table: &[SectionEntry]) -> Result<$views, FormatError> {
                 Ok($views {
                     $($field: view(storage, table, stringify!($field))?,)*
@@ -89,7 +97,7 @@ sections! {
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
     derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
-    derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32;
+    derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32, derived map_unchecked: SectionEntry;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -241,7 +249,8 @@ fn view<T: Pod>(
 
 impl Views {
     /// The tables in `storage`. With `checked`, checksums, indices and numbers are checked; without, only what keeps
-    /// memory safe by construction (the table itself) is.
+    /// memory safe by construction (the table itself) is. The map's own are checked when they are asked for ([`Views::check_map`]): rays do not
+    /// read them.
     pub(crate) fn open(storage: Storage, checked: bool) -> Result<Views, FormatError> {
         let storage = Arc::new(storage);
         let table = container::read_table(storage.bytes())?;
@@ -251,19 +260,38 @@ impl Views {
             if !known && entry.flags & SectionEntry::REQUIRED != 0 {
                 return Err(FormatError::Unknown(entry.name()));
             }
-            if known && checked {
-                container::section(storage.bytes(), entry)?;
-            }
         }
         let mut views = Views::find(&storage, &table)?;
+        if checked {
+            let own = table.iter().filter_map(|entry| Some((views.bytes(&entry.name())?, entry)));
+            own.into_iter().try_for_each(|(bytes, entry)| container::check(bytes, entry))?;
+        }
         if views.scene.len() != 1 {
             return Err(FormatError::Table(format!("{} scene records", views.scene.len())));
         }
         if checked {
             Check::new(&views)?.all()?;
+            let of_map = |entry: &SectionEntry| MapViews::NAMES.contains(&entry.name().as_str());
+            views.map_unchecked = View::own(table.iter().copied().filter(of_map).collect());
         }
         views.derive();
         Ok(views)
+    }
+
+    /// Checks the sections of the map as [`Views::open`] does the others.
+    pub(crate) fn check_map(&self) -> Result<(), FormatError> {
+        for entry in &*self.map_unchecked {
+            let name = entry.name();
+            let bytes = self.map.as_ref().and_then(|map| map.bytes(&name)).unwrap_or_default();
+            container::check(bytes, entry)?;
+        }
+        if self.map_unchecked.is_empty() { Ok(()) } else { super::map::check(self) }
+    }
+
+    /// How many bytes the sections of the map have.
+    #[cfg(feature = "compile")]
+    pub(crate) fn map_bytes(&self) -> u64 {
+        self.map_unchecked.iter().map(|entry| entry.len).sum()
     }
 
     /// Works out what is in no file: what rays need of triangles, of each cell and of each source, side by side.
@@ -353,8 +381,7 @@ impl<'a> Check<'a> {
         self.triangles()?;
         self.volumes()?;
         self.locator()?;
-        self.hierarchy()?;
-        super::map::check(self.views)
+        self.hierarchy()
     }
 
     fn text(&self, section: &'static str, item: usize, text: Text) -> Result<(), FormatError> {

@@ -14,10 +14,14 @@ pub struct Cost {
     pub cells: u32,
     /// Walks from cell to cell that could not tell, and were answered by the hierarchy of all triangles.
     pub unsure: u32,
+    /// Of the prisms, those with nothing in them: no hierarchy was entered.
+    pub empty: u32,
+    /// Faces whose plane was met without a look at triangles.
+    pub plain: u32,
 }
 
 impl Cost {
-    /// All steps.
+    /// All steps: what is skipped is none.
     pub const fn total(self) -> u32 {
         let detail = self.nodes.saturating_add(self.blocks).saturating_add(self.tests);
         detail.saturating_add(self.cells).saturating_add(self.unsure)
@@ -38,6 +42,12 @@ pub(super) trait Count {
     /// A prism was entered.
     #[inline(always)]
     fn cell(&mut self) {}
+    /// There is nothing in the prism, and nothing was opened.
+    #[inline(always)]
+    fn empty(&mut self) {}
+    /// A plane was met, and no triangle tested.
+    #[inline(always)]
+    fn plain(&mut self) {}
     /// A walk from cell to cell could not tell, and all triangles are asked.
     #[inline(always)]
     fn unsure(&mut self) {}
@@ -57,6 +67,12 @@ impl Count for Cost {
     }
     fn cell(&mut self) {
         self.cells = self.cells.saturating_add(1);
+    }
+    fn empty(&mut self) {
+        self.empty = self.empty.saturating_add(1);
+    }
+    fn plain(&mut self) {
+        self.plain = self.plain.saturating_add(1);
     }
     fn unsure(&mut self) {
         self.unsure = self.unsure.saturating_add(1);

@@ -252,9 +252,17 @@ impl Scene {
     }
 
     /// The answer without the quick way.
-    #[cfg(all(test, feature = "compile"))]
-    pub(super) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
+    #[cfg(feature = "compile")]
+    pub(crate) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
         self.answer(start, ray, want, &mut Plain { kernel: self.kernel, ask: Ask::First })
+    }
+
+    /// The same, with what it took.
+    #[cfg(feature = "compile")]
+    pub(crate) fn careful_cost(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
+        let mut cost = Cost::default();
+        let hit = self.answer(start, ray, want, &mut cost);
+        (hit, cost)
     }
 
     /// The answer, `probe` running the walks.

@@ -82,6 +82,14 @@ impl Step {
         self.kind == Step::LEVEL
     }
 
+    /// Makes what asks take a level floor and ceiling for sloped ones: the answers are the same.
+    #[cfg(feature = "compile")]
+    pub(crate) fn forget_that_it_is_level(&mut self) {
+        if self.kind == Step::LEVEL {
+            self.kind = Step::SLOPED;
+        }
+    }
+
     /// Whether the cell is simple, and its floor or its ceiling is sloped.
     #[inline(always)]
     pub(crate) fn is_sloped(&self) -> bool {

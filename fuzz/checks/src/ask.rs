@@ -56,7 +56,7 @@ fn close(scene: &mut Scene) -> bool {
 }
 
 fn traces(scene: &Scene, origin: Origin) {
-    if let Some(building) = scene.building() {
+    if let Ok(Some(building)) = scene.building() {
         let (valid, report) = validate(building);
         assert_eq!(valid.is_some(), !report.is_fatal());
     }

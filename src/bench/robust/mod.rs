@@ -353,7 +353,7 @@ impl Reference<'_> {
         row.leaky_pairs = step.touching.difference(&self.step.touching).count() as u64;
         row.rays = rays.len() as u64;
         // What lies flush with it is no other.
-        let is_other = |before: &Hit, after: &Hit| !((before.t - after.t).abs() <= drawn.tolerance());
+        let is_other = |before: &Hit, after: &Hit| (before.t - after.t).abs() > drawn.tolerance();
         let (mut squares, mut same) = (0.0, 0u64);
         for (before, after) in told[0].iter().zip(&told[1]) {
             if after.t.is_nan() {

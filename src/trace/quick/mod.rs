@@ -97,6 +97,7 @@ pub(super) fn quick<L: Entries, C: Count>(
         return L::onward(Ask::First, tables, ray, cell, exit, count);
     }
     count.cell();
+    count.plain();
     let mut source = exit.link & !Step::PLATE;
     let mut end = way.plate(source)?;
     let (root, until) = (way.root(cell), way.until(end.t));
@@ -257,6 +258,7 @@ impl<'a> Way<'a> {
         if exit.link >= Step::ROUGH {
             return rough(self.tables, self.ray, self.surface, cell, exit, count).map(|found| (found, NONE));
         }
+        count.plain();
         let source = exit.link & !Step::PLATE;
         self.plate(source).map(|found| (found, source))
     }
@@ -327,6 +329,7 @@ impl<'a> Way<'a> {
     #[inline(always)]
     fn may_meet<L: Lanes>(&self, root: u32, until: f64, count: &mut impl Count) -> Option<Opened> {
         if root == NONE {
+            count.empty();
             return None;
         }
         if root & Leaf::BIT != 0 {
