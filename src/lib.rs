@@ -107,6 +107,6 @@ pub mod verify;
 pub use compile::{CompileError, CompileOptions, Compiled, compile, compile_building, compile_partition};
 pub use enfilade_importers as importers;
 pub use scene::{OpenError, Scene};
-pub use trace::{Answer, Brief, Cost, Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
+pub use trace::{Answer, Brief, Cost, Costs, Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
 #[cfg(feature = "compile")]
 pub use verify::{VerifyOptions, VerifyReport, verify};

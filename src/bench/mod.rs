@@ -6,6 +6,7 @@ mod frozen;
 mod plot;
 mod robust;
 mod skip;
+mod sources;
 mod speed;
 mod tracers;
 mod way;
@@ -15,6 +16,7 @@ pub use error::{ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, Image
 pub use frozen::{FrozenError, FrozenScene};
 pub use robust::{Damage, RobustError, RobustOptions, RobustReport, RobustRow, robust};
 pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Work, skip};
+pub use sources::{SourceOptions, SourceReport, SourceRow, sources};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, error_names, names};
 pub use way::Way;

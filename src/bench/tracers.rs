@@ -112,7 +112,7 @@ pub fn error_names() -> Vec<String> {
 }
 
 /// A ray as f32 has it.
-fn narrow(ray: &Ray) -> Ray {
+pub(super) fn narrow(ray: &Ray) -> Ray {
     let round = |c: f64| f64::from(c as f32);
     Ray::segment(ray.origin.map(round), ray.direction.map(round), round(ray.tmin), round(ray.tmax))
 }

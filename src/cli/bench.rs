@@ -22,7 +22,8 @@ use super::render::{parse_picture_size, read_cameras};
 const FIGURE: u32 = 1400;
 
 /// Measure: time per frame and per ray of every way to answer rays; with `error`, beside what each gets wrong; with `cells`, how many cells rays
-/// cross; with `robust`, what growing damage does to all that; with `skip`, what is not done, and what that saves.
+/// cross; with `robust`, what growing damage does to all that; with `skip`, what is not done, and what that saves; with
+/// `sources`, where errors come from.
 #[derive(Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -37,6 +38,7 @@ Examples:
   enfilade bench cells house.glb
   enfilade bench robust --frozen house --figure robust.svg
   enfilade bench skip house.glb
+  enfilade bench sources house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named obvhs-... are that library
 by itself on the same triangles."
@@ -62,6 +64,7 @@ enum What {
     Error(Error),
     Robust(super::bench_robust::Arguments),
     Skip(super::bench_skip::Arguments),
+    Sources(super::bench_sources::Arguments),
 }
 
 #[derive(Args)]
@@ -154,6 +157,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         (Some(What::Error(error)), ..) => run_error(error),
         (Some(What::Robust(robust)), ..) => super::bench_robust::run(robust),
         (Some(What::Skip(skip)), ..) => super::bench_skip::run(skip),
+        (Some(What::Sources(sources)), ..) => super::bench_sources::run(sources),
         (None, Some(scene), _) => run_speed(common, || {
             let scene = common.scene(scene)?;
             let views = common.views(&scene)?;

@@ -5,6 +5,7 @@ mod bench;
 mod bench_cells;
 mod bench_robust;
 mod bench_skip;
+mod bench_sources;
 mod compile;
 mod doors;
 mod export;

@@ -28,6 +28,81 @@ impl Cost {
     }
 }
 
+/// Steps of many rays together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Costs {
+    /// Rays.
+    pub rays: u64,
+    /// See [`Cost::nodes`].
+    pub nodes: u64,
+    /// See [`Cost::blocks`].
+    pub blocks: u64,
+    /// See [`Cost::tests`].
+    pub tests: u64,
+    /// See [`Cost::cells`].
+    pub cells: u64,
+    /// See [`Cost::unsure`].
+    pub unsure: u64,
+    /// See [`Cost::empty`].
+    pub empty: u64,
+    /// See [`Cost::plain`].
+    pub plain: u64,
+}
+
+impl Costs {
+    /// Adds a ray's.
+    pub fn add(&mut self, cost: &Cost) {
+        let Cost { nodes, blocks, tests, cells, unsure, empty, plain } = *cost;
+        let one = [1, nodes, blocks, tests, cells, unsure, empty, plain].map(u64::from);
+        self.add_all(one);
+    }
+
+    /// Adds those of other rays.
+    pub fn merge(&mut self, other: &Costs) {
+        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain } = *other;
+        self.add_all([rays, nodes, blocks, tests, cells, unsure, empty, plain]);
+    }
+
+    fn add_all(&mut self, steps: [u64; 8]) {
+        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain } = self;
+        for (sum, steps) in [rays, nodes, blocks, tests, cells, unsure, empty, plain].into_iter().zip(steps) {
+            *sum += steps;
+        }
+    }
+
+    /// A number of steps as the mean of a ray.
+    pub fn mean(&self, steps: u64) -> f64 {
+        steps as f64 / self.rays.max(1) as f64
+    }
+}
+
+impl std::fmt::Display for Costs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mean = |steps: u64| self.mean(steps);
+        writeln!(f, "{} rays; in the mean each", self.rays)?;
+        writeln!(
+            f,
+            "  crosses {:.3} cells, {:.3} of them with nothing in them",
+            mean(self.cells),
+            mean(self.empty)
+        )?;
+        writeln!(
+            f,
+            "  opens {:.3} nodes of eight boxes, {:.3} blocks of up to eight triangles",
+            mean(self.nodes),
+            mean(self.blocks)
+        )?;
+        writeln!(
+            f,
+            "  tests {:.3} triangles, and meets {:.3} planes without a test of any",
+            mean(self.tests),
+            mean(self.plain)
+        )?;
+        write!(f, "  asks the hierarchy of all triangles, in doubt: {:.6}", mean(self.unsure))
+    }
+}
+
 /// What is told of each step of a ray. The unit type counts nothing, and costs nothing.
 pub(super) trait Count {
     /// A node was opened: eight boxes.

@@ -30,7 +30,7 @@ mod walk;
 
 pub use batch::Starts;
 pub(crate) use columns::Columns;
-pub use cost::Cost;
+pub use cost::{Cost, Costs};
 pub(crate) use finder::{AirGrid, Finder};
 pub(crate) use guess::Guess;
 pub use kernel::Kernel;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::begin::Begin;
 use super::cells::{Ended, among_all, nearest};
-use super::cost::Cost;
+use super::cost::{Cost, Costs};
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
@@ -240,6 +240,24 @@ impl Scene {
         cost = Cost::default();
         let hit = self.answer(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
+    }
+
+    /// What it takes to answer some rays that start anywhere: with the feature `rayon` on the current pool.
+    pub fn costs(&self, rays: &[Ray], want: Want) -> Costs {
+        /// Rays that are counted together.
+        const CHUNK: usize = 4096;
+        let chunks: Vec<&[Ray]> = rays.chunks(CHUNK).collect();
+        let parts = crate::parallel::map(chunks.len(), |chunk| {
+            let mut costs = Costs::default();
+            chunks[chunk]
+                .iter()
+                .for_each(|ray| costs.add(&self.trace_cost_from(Start::Anywhere, ray, want).1));
+            costs
+        });
+        parts.iter().fold(Costs::default(), |mut all, part| {
+            all.merge(part);
+            all
+        })
     }
 
     /// The cell of air in which a ray starts, as far as that is in no doubt.

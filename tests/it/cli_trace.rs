@@ -142,6 +142,23 @@ fn single_precision_rays_are_read_exactly() {
 }
 
 #[test]
+fn stats_tell_what_it_took_and_change_nothing() {
+    let folder = house();
+    folder.write("rays.txt", text(&rays(300)));
+    let trace = ["trace", "house.enf", "--rays", "rays.txt"];
+    let plain = folder.run(&trace).expect(0);
+    let told = folder.run(&[&trace[..], &["--stats"]].concat()).expect(0);
+    assert_eq!((told.text(), plain.err.is_empty()), (plain.text(), true));
+    let lines: Vec<&str> = told.err.lines().collect();
+    assert!(lines.len() == 5 && lines[0].starts_with("300 rays"), "{lines:?}");
+    let number = |line: &str, place: usize| {
+        let numbers = line.split([' ', ',']).filter_map(|word| word.parse::<f64>().ok());
+        numbers.collect::<Vec<f64>>()[place]
+    };
+    assert!(number(lines[1], 0) > 0.5 && number(lines[2], 0) > 0.5 && number(lines[3], 1) > 0.1, "{lines:?}");
+}
+
+#[test]
 fn text_may_have_comments_commas_and_blank_lines() {
     let folder = house();
     let trace = ["trace", "house.enf", "--rays", "-", "--fields", "t,element"];

@@ -54,7 +54,7 @@ impl Sum {
 }
 
 /// The shade of an element's surface with this unit normal: the part of the light that it throws back, of its own, times the cosine.
-pub(super) fn shade(element: u32, normal: DVec3, ray: &Ray) -> f64 {
+pub(in crate::bench) fn shade(element: u32, normal: DVec3, ray: &Ray) -> f64 {
     let direction = DVec3::from(ray.direction);
     let cosine = (normal.dot(direction) / direction.length()).abs();
     // Neighbours in the order of the model differ.

@@ -25,6 +25,8 @@ use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray};
 
 pub use image::ImageError;
+pub(super) use image::shade as shade_of;
+pub(super) use score::Sum;
 pub use score::{Errors, Spread};
 use score::{Judge, Score};
 

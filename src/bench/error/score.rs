@@ -27,7 +27,7 @@ pub struct Spread {
 
 /// Errors being summed.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+pub(in crate::bench) struct Sum {
     count: u64,
     largest: f64,
     sum: f64,
@@ -35,14 +35,14 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, error: f64) {
+    pub(in crate::bench) fn add(&mut self, error: f64) {
         self.count += 1;
         self.largest = self.largest.max(error);
         self.sum += error;
         self.squares += error * error;
     }
 
-    fn spread(&self) -> Spread {
+    pub(in crate::bench) fn spread(&self) -> Spread {
         let count = self.count.max(1) as f64;
         Spread { largest: self.largest, mean: self.sum / count, rms: (self.squares / count).sqrt() }
     }

@@ -21,7 +21,7 @@ use crate::compile::{CompileError, CompileOptions, compile};
 use crate::format::records::{CellRecord, NodeRecord, PLAIN, Traits};
 use crate::format::{FormatError, Storage, Views};
 use crate::scene::Scene;
-use crate::trace::{Cost, Hit, NONE, Place, Ray, Start, Want};
+use crate::trace::{Cost, Costs, Hit, NONE, Place, Ray, Start, Want};
 
 /// How to measure.
 #[derive(Clone, Debug)]
@@ -329,21 +329,17 @@ impl Bench<'_> {
 
     /// Means of all rays.
     fn counted(&self, count: &dyn Fn(&Started) -> Cost) -> Work {
-        let mut work = Work::default();
-        for start in self.rays {
-            let cost = count(start);
-            for (sum, steps) in [
-                (&mut work.cells, cost.cells),
-                (&mut work.empty, cost.empty),
-                (&mut work.nodes, cost.nodes),
-                (&mut work.blocks, cost.blocks),
-                (&mut work.tests, cost.tests),
-                (&mut work.plain, cost.plain),
-            ] {
-                *sum += f64::from(steps) / self.rays.len() as f64;
-            }
+        let mut all = Costs::default();
+        self.rays.iter().for_each(|start| all.add(&count(start)));
+        Work {
+            cells: all.mean(all.cells),
+            empty: all.mean(all.empty),
+            nodes: all.mean(all.nodes),
+            blocks: all.mean(all.blocks),
+            tests: all.mean(all.tests),
+            plain: all.mean(all.plain),
+            ..Work::default()
         }
-        work
     }
 }
 

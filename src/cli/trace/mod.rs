@@ -3,12 +3,13 @@
 mod hits;
 mod rays;
 
+use std::cell::RefCell;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use enfilade::importers::Frame;
-use enfilade::{Hit, Ray, Scene, Want};
+use enfilade::{Costs, Hit, Ray, Scene, Want};
 
 use super::doors::Doors;
 use super::failure::{Failure, Outcome};
@@ -25,6 +26,7 @@ use hits::Field;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
+  enfilade trace house.enf --rays rays.txt --stats > hits.txt
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
   enfilade trace house.enf --rays rays.f64 --in f64 --out f64 --fields t,element -o hits.f64
   enfilade trace house.glb --rays rays.npy --out npy -o hits.npy --elements elements.csv
@@ -64,6 +66,9 @@ pub struct Arguments {
     /// Write a table of the elements: index, id, name, class, semantic, storey.
     #[arg(long, value_name = "FILE.csv")]
     elements: Option<PathBuf>,
+    /// Tell on stderr what it took: cells crossed, boxes opened, triangles tested, and what was skipped. Every ray is traced once more.
+    #[arg(long)]
+    stats: bool,
     #[command(flatten)]
     doors: Doors,
     #[command(flatten)]
@@ -128,7 +133,8 @@ fn stream(arguments: &Arguments) -> Result<Outcome, Failure> {
              rays, or use --frame internal"
         )));
     }
-    let work = Work { scene: &scene, frame, fields: &arguments.fields };
+    let costs = arguments.stats.then(|| RefCell::new(Costs::default()));
+    let work = Work { scene: &scene, frame, fields: &arguments.fields, costs: costs.as_ref() };
     // The reader's errors pass through the writer's: kept aside.
     let mut failed = None;
     let result = output::write(arguments.output.as_deref(), |out| {
@@ -148,10 +154,14 @@ fn stream(arguments: &Arguments) -> Result<Outcome, Failure> {
             }
         })
     });
-    match failed {
-        Some(failure) => Err(failure),
-        None => result.map(|()| Outcome::Fine),
+    if let Some(failure) = failed {
+        return Err(failure);
     }
+    result?;
+    if let Some(costs) = costs {
+        eprintln!("{}", costs.into_inner());
+    }
+    Ok(Outcome::Fine)
 }
 
 /// What stopped a stream of rays.
@@ -171,6 +181,8 @@ pub struct Work<'a> {
     scene: &'a Scene,
     frame: Frame,
     fields: &'a [Field],
+    /// What it took, if that is asked for.
+    costs: Option<&'a RefCell<Costs>>,
 }
 
 impl Work<'_> {
@@ -198,6 +210,9 @@ impl Work<'_> {
             hits.clear();
             hits.resize(chunk.len(), Hit::ESCAPED);
             self.scene.trace_many(&chunk, &mut hits, want);
+            if let Some(costs) = self.costs {
+                costs.borrow_mut().merge(&self.scene.costs(&chunk, want));
+            }
             write(&hits)?;
         }
     }

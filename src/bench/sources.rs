@@ -1,0 +1,439 @@
+//! Where errors come from: an experiment for each source, in which that one alone makes the difference.
+//!
+//! The rays are random ones from rooms. Each row holds one way to answer them against another that is free of one source of error; the last of
+//! them is exact arithmetic on the model's triangles ([`Truth::first`]).
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use enfilade_importers::{Model, Untagged};
+use glam::DVec3;
+use serde::Serialize;
+
+use super::error::{Spread, Sum, shade_of};
+use super::speed::random_rays;
+use crate::compile::{CompileError, CompileOptions, compile};
+use crate::format::records::CellRecord;
+use crate::graph::parts;
+use crate::oracle::{First, Truth, TruthOptions};
+use crate::roles::roles;
+use crate::scene::Scene;
+use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Start, Want, plate_of};
+
+/// How to measure.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct SourceOptions {
+    /// Random rays from rooms.
+    pub rays: u32,
+    /// Seed of the rays.
+    pub seed: u64,
+    /// As the model was compiled.
+    pub untagged: Untagged,
+}
+
+impl Default for SourceOptions {
+    fn default() -> SourceOptions {
+        SourceOptions { rays: 1 << 15, seed: 1, untagged: Untagged::default() }
+    }
+}
+
+/// One source of error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SourceRow {
+    /// The source.
+    pub source: &'static str,
+    /// What was held against what.
+    pub experiment: &'static str,
+    /// Rays, or corners.
+    pub count: u64,
+    /// Of these, how many came out otherwise: another element farther off than the tolerance, nothing instead of something, or the reverse.
+    pub differing: u64,
+    /// Errors of the others: metres, but of shades, which are between 0 and 1.
+    pub errors: Spread,
+}
+
+/// What [`sources`] measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct SourceReport {
+    /// The program's version.
+    pub version: &'static str,
+    /// The tolerance, metres.
+    pub tolerance: f64,
+    /// Edge of the lattice's steps, metres.
+    pub lattice: f64,
+    /// Rays.
+    pub rays: u64,
+    /// Of these, rays that have several exact answers.
+    pub tied: u64,
+    /// The sources.
+    pub rows: Vec<SourceRow>,
+}
+
+/// Measures each source of error by an experiment of its own.
+///
+/// # Errors
+/// Those of [`compile`].
+pub fn sources(model: &Model, options: &SourceOptions) -> Result<SourceReport, CompileError> {
+    let compiling = CompileOptions { untagged: options.untagged, ..CompileOptions::default() };
+    let scene = Arc::new(compile(model, &compiling)?.scene());
+    let whole = compile(model, &CompileOptions { cells: false, ..compiling })?.scene();
+    let roles = roles(model, options.untagged);
+    let truth = Truth::new(
+        model,
+        |element| roles[element.0 as usize],
+        &TruthOptions::default().with_tolerance(scene.tolerance()),
+    );
+    let rays = random_rays(&scene, options.rays, options.seed);
+    let exact = crate::parallel::map(rays.len(), |i| truth.first(&rays[i]));
+    let tied = exact.iter().flatten().filter(|first| first.is_tie()).count() as u64;
+    let experiment = Experiment { scene: &scene, model, rays: &rays, exact: &exact };
+    Ok(SourceReport {
+        version: env!("CARGO_PKG_VERSION"),
+        tolerance: scene.tolerance(),
+        lattice: (-f64::from(scene.tables.scene[0].lattice_bits)).exp2(),
+        rays: rays.len() as u64,
+        tied,
+        rows: experiment.rows(&whole, &truth),
+    })
+}
+
+struct Experiment<'a> {
+    scene: &'a Scene,
+    model: &'a Model,
+    rays: &'a [Ray],
+    exact: &'a [Option<First>],
+}
+
+/// What a way says: how far, and which element; infinite for nothing.
+type Told = (f64, u32);
+
+fn told(hit: &Hit) -> Told {
+    (hit.t, hit.element)
+}
+
+impl Experiment<'_> {
+    fn rows(&self, whole: &Scene, truth: &Truth) -> Vec<SourceRow> {
+        let scene = self.scene;
+        let hits: Vec<Hit> = self.each(|ray| scene.trace_from(start(scene, ray), ray, Want::LEAST));
+        let kernel: Vec<Told> = hits.iter().map(told).collect();
+        let careful = self.each(|ray| told(&scene.careful(start(scene, ray), ray, Want::LEAST)));
+        let all = self.each(|ray| told(&whole.trace_from(Start::Cell(0), ray, Want::LEAST)));
+        let narrow = self.each(|ray| {
+            let ray = super::tracers::narrow(ray);
+            told(&scene.trace_from(start(scene, &ray), &ray, Want::LEAST))
+        });
+        let f64s = self.each(|ray| match truth.nearest(ray) {
+            Some(nearest) => (nearest.t, nearest.element.0),
+            None => (f64::INFINITY, NONE),
+        });
+        let by = |kernel: Kernel| {
+            self.each(|ray| told(&scene.trace_with(kernel, start(scene, ray), ray, Want::LEAST)))
+        };
+        let (portable, widest) = (by(Kernel::PORTABLE), by(Kernel::avx512().unwrap_or(Kernel::best())));
+        let is_wall = |hit: &&Hit| hit.t.is_finite() && is_wall(scene, hit);
+        let walls: Vec<usize> = (0..hits.len()).filter(|&i| is_wall(&&hits[i])).collect();
+        let detail: Vec<usize> =
+            (0..hits.len()).filter(|&i| hits[i].t.is_finite() && !is_wall(&&hits[i])).collect();
+        let every: Vec<usize> = (0..hits.len()).collect();
+        let [faces, read_off] = self.lattice(&hits);
+        vec![
+            faces,
+            read_off,
+            self.between("lattice", "cells, against one hierarchy of all triangles", &kernel, &all),
+            self.between(
+                "the quick way",
+                "planes for triangles, margins in f32, against f64 and all triangles",
+                &kernel,
+                &careful,
+            ),
+            self.between("kernels", "the widest, against the portable one", &widest, &portable),
+            self.to_exact("f64", "the truth in f64, against exact arithmetic", &f64s, &every),
+            self.to_exact("traversal", "the kernel, against exact arithmetic", &kernel, &every),
+            self.to_exact(
+                "walls",
+                "the same, of rays that end at what cells were cut around",
+                &kernel,
+                &walls,
+            ),
+            self.to_exact("detail", "the same, of rays that end at anything else", &kernel, &detail),
+            self.to_exact(
+                "f32 in rays",
+                "rays rounded to f32, against exact arithmetic on those as they were",
+                &narrow,
+                &every,
+            ),
+            self.shading(&hits, false),
+            self.shading(&hits, true),
+        ]
+    }
+
+    fn each<T: Send>(&self, answer: impl Fn(&Ray) -> T + Sync + Send) -> Vec<T> {
+        crate::parallel::map(self.rays.len(), |i| answer(&self.rays[i]))
+    }
+
+    fn between(
+        &self,
+        source: &'static str,
+        experiment: &'static str,
+        one: &[Told],
+        other: &[Told],
+    ) -> SourceRow {
+        let mut row = Row::new(source, experiment);
+        for (&(t, element), &(as_much, as_such)) in one.iter().zip(other) {
+            let off = if t == as_much { 0.0 } else { (t - as_much).abs() };
+            row.add(off, off <= self.scene.tolerance() && (element == as_such || off <= FLUSH));
+        }
+        row.done()
+    }
+
+    /// Distances against the exact ones, of some of the rays.
+    fn to_exact(
+        &self,
+        source: &'static str,
+        experiment: &'static str,
+        told: &[Told],
+        which: &[usize],
+    ) -> SourceRow {
+        let mut row = Row::new(source, experiment);
+        for &i in which {
+            let (t, element) = told[i];
+            match &self.exact[i] {
+                Some(first) if t.is_finite() && t >= 0.0 => {
+                    let off = first.off(t).abs();
+                    let is_met = first.met.iter().any(|(met, _)| met.element.0 == element);
+                    row.add(off, off <= self.scene.tolerance() && (is_met || off <= FLUSH));
+                }
+                Some(_) => row.add(0.0, false),
+                None => row.add(0.0, t.is_infinite()),
+            }
+        }
+        row.done()
+    }
+
+    /// How far cells' surfaces are off: their corners from the planes of what stands there; and what distances would be, were they read off the
+    /// lattice's surfaces.
+    fn lattice(&self, hits: &[Hit]) -> [SourceRow; 2] {
+        let tables = &self.scene.tables;
+        let prisms = Prisms::new(tables);
+        let plane_of = |source: u32| {
+            plate_of(&tables.triangles, &tables.vertices, tables.sources[source as usize].plane)
+        };
+        let mut corners =
+            Row::new("lattice", "corners of cells' faces, from the planes of the triangles there");
+        let mut by_cell = Vec::new();
+        for (index, cell) in tables.cells.iter().enumerate() {
+            let parts = if cell.kind == CellRecord::AIR { parts(&prisms, cell) } else { Vec::new() };
+            by_cell.push(Vec::new());
+            for part in parts.into_iter().filter(|part| part.source != NONE) {
+                let plate = plane_of(part.source);
+                let normal = DVec3::from(plate.normal);
+                if normal == DVec3::ZERO {
+                    continue;
+                }
+                for corner in &part.corners {
+                    let off = (normal.dot(*corner) - plate.offset).abs();
+                    corners.add(off, true);
+                }
+                by_cell[index].push((plate, part.corners));
+            }
+        }
+        let mut read_off =
+            Row::new("lattice", "distances, were they read off cells' faces, against the kernel");
+        for (ray, hit) in self.rays.iter().zip(hits) {
+            let Some(surfaces) = by_cell.get(hit.cell as usize).filter(|_| hit.t.is_finite()) else {
+                continue;
+            };
+            let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
+            let point = DVec3::from(hit.point);
+            // The surface in whose source's plane the hit lies.
+            let near = |(plate, corners): &&(crate::trace::Plate, Vec<DVec3>)| {
+                (DVec3::from(plate.normal).dot(point) - plate.offset).abs() < FLUSH && holds(corners, point)
+            };
+            let Some((_, corners)) = surfaces.iter().find(near) else { continue };
+            let normal = newell(corners);
+            let toward = normal.dot(direction);
+            if toward.abs() > GRAZING {
+                let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+                let off = (normal.dot(middle - origin) / toward - hit.t).abs();
+                read_off.add(off, true);
+            }
+        }
+        [corners.done(), read_off.done()]
+    }
+
+    /// What a light at the eye gives: of the kernel's normal, in f64, or in 255 steps as in a picture's file, against the exact triangle's.
+    fn shading(&self, hits: &[Hit], in_steps: bool) -> SourceRow {
+        let experiment = if in_steps {
+            "the same in 255 steps, as in a PNG"
+        } else {
+            "shades by the kernel's normals, against the exact triangles'"
+        };
+        let mut row = Row::new("shading", experiment);
+        for ((ray, hit), exact) in self.rays.iter().zip(hits).zip(self.exact) {
+            let Some(first) = exact else { continue };
+            let own = first.met.iter().find(|(met, _)| met.element.0 == hit.element);
+            let Some((met, _)) = own.filter(|_| hit.t.is_finite()) else { continue };
+            let mesh = &self.model.elements[met.element.0 as usize].mesh;
+            let [a, b, c] = mesh.corners(met.triangle as usize).map(DVec3::from);
+            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+            let mut shade = shade_of(hit.element, DVec3::from(hit.normal), ray);
+            if in_steps {
+                shade = (shade * 255.0).round() / 255.0;
+            }
+            row.add((shade - shade_of(met.element.0, normal, ray)).abs(), true);
+        }
+        row.done()
+    }
+}
+
+/// Nearer surfaces lie on each other, metres.
+const FLUSH: f64 = 1e-6;
+
+/// The sine of angles below which lattices and planes are not compared.
+const GRAZING: f64 = 1e-2;
+
+/// A source whose errors are being summed.
+struct Row {
+    source: &'static str,
+    experiment: &'static str,
+    count: u64,
+    differing: u64,
+    sum: Sum,
+}
+
+impl Row {
+    fn new(source: &'static str, experiment: &'static str) -> Row {
+        Row { source, experiment, count: 0, differing: 0, sum: Sum::default() }
+    }
+
+    fn add(&mut self, error: f64, agrees: bool) {
+        self.count += 1;
+        if agrees {
+            self.sum.add(error);
+        } else {
+            self.differing += 1;
+        }
+    }
+
+    fn done(self) -> SourceRow {
+        let Row { source, experiment, count, differing, sum } = self;
+        SourceRow { source, experiment, count, differing, errors: sum.spread() }
+    }
+}
+
+fn start(scene: &Scene, ray: &Ray) -> Start<'static> {
+    match scene.locate(ray.origin) {
+        Place::Air { cell, .. } => Start::Cell(cell),
+        _ => Start::Anywhere,
+    }
+}
+
+/// Whether what was met is matter that cells were cut around.
+fn is_wall(scene: &Scene, hit: &Hit) -> bool {
+    scene.tables.cells.iter().any(|cell| cell.kind == CellRecord::SOLID && cell.element == hit.element)
+}
+
+/// Twice the area of a polygon along its normal, made of unit length.
+fn newell(corners: &[DVec3]) -> DVec3 {
+    let next = corners.iter().cycle().skip(1);
+    let sum: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - corners[0]).cross(*b - corners[0])).sum();
+    sum.normalize_or_zero()
+}
+
+/// Whether a point near the plane of a convex polygon lies over it.
+fn holds(corners: &[DVec3], point: DVec3) -> bool {
+    let normal = newell(corners);
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).all(|(a, b)| normal.cross(*b - *a).dot(point - *a) >= 0.0)
+}
+
+impl SourceReport {
+    fn head(&self) -> String {
+        format!(
+            "{} random rays, {} of them with several exact answers; tolerance {} m, lattice of {:e} m",
+            self.rays, self.tied, self.tolerance, self.lattice
+        )
+    }
+
+    fn lines(&self) -> Vec<[String; 7]> {
+        let names =
+            ["source", "experiment", "rays", "otherwise", "largest", "mean", "rms"].map(str::to_owned);
+        let line = |row: &SourceRow| {
+            let [largest, mean, rms] =
+                [row.errors.largest, row.errors.mean, row.errors.rms].map(|error| format!("{error:.1e}"));
+            let (count, differing) = (row.count.to_string(), row.differing.to_string());
+            [row.source.to_owned(), row.experiment.to_owned(), count, differing, largest, mean, rms]
+        };
+        [names].into_iter().chain(self.rows.iter().map(line)).collect()
+    }
+
+    /// As aligned text.
+    pub fn text(&self) -> String {
+        let lines = self.lines();
+        let width = |column: usize| lines.iter().map(|line| line[column].len()).max().unwrap_or(0);
+        let mut out = self.head() + "\n";
+        for [source, experiment, others @ ..] in &lines {
+            // Writing to a String cannot fail.
+            let _ = write!(out, "{source:<0$}  {experiment:<1$}", width(0), width(1));
+            for (text, column) in others.iter().zip(2..) {
+                let _ = write!(out, "  {text:>0$}", width(column));
+            }
+            out.push('\n');
+        }
+        out
+    }
+
+    /// As a table in Markdown.
+    pub fn markdown(&self) -> String {
+        let mut out = self.head() + "\n\n";
+        for (number, line) in self.lines().iter().enumerate() {
+            let _ = writeln!(out, "| {} |", line.join(" | "));
+            if number == 0 {
+                out.push_str("|---|---|---:|---:|---:|---:|---:|\n");
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{HouseOptions, Style, house};
+
+    #[test]
+    fn each_source_has_its_size() {
+        let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+        let report = sources(&model, &SourceOptions { rays: 3000, ..SourceOptions::default() }).unwrap();
+        for row in &report.rows {
+            assert_eq!(row.differing, 0, "{}", report.text());
+            assert!(row.count > 500, "{}", report.text());
+        }
+        let of = |source: &str| report.rows.iter().filter(|row| row.source == source).collect::<Vec<_>>();
+        // The house lies on the lattice.
+        assert!(of("lattice").iter().all(|row| row.errors.largest < 1e-9), "{}", report.text());
+        assert!(of("kernels")[0].errors.largest == 0.0 && of("f64")[0].errors.largest < 1e-13);
+        assert!((1e-8..1e-4).contains(&of("f32 in rays")[0].errors.rms), "{}", report.text());
+        // A step of 255 rounds by half of one at most, evenly.
+        let steps = of("shading")[1].errors;
+        assert!((steps.rms - 1.0 / 255.0 / 12f64.sqrt()).abs() < 1e-4 && steps.largest < 0.5001 / 255.0);
+        assert_eq!(of("walls")[0].count + of("detail")[0].count, of("traversal")[0].count);
+        let lines = report.text().lines().count();
+        assert_eq!(
+            (lines, report.markdown().lines().count()),
+            (2 + report.rows.len(), 4 + report.rows.len())
+        );
+    }
+
+    #[test]
+    fn a_lattice_that_walls_do_not_lie_on_is_off_by_less_than_its_steps() {
+        let mut style = Style::exact();
+        (style.turned, style.off_grid) = (true, true);
+        let model = house(&HouseOptions::default()).export(&style).to_model().unwrap();
+        let report = sources(&model, &SourceOptions { rays: 2000, ..SourceOptions::default() }).unwrap();
+        let lattice: Vec<_> = report.rows.iter().filter(|row| row.source == "lattice").collect();
+        assert!(lattice[0].errors.rms > 1e-8 && lattice[1].errors.rms > 1e-8, "{}", report.text());
+        assert!(report.rows.iter().all(|row| row.differing == 0), "{}", report.text());
+    }
+}
