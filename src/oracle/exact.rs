@@ -10,6 +10,7 @@
 pub(crate) struct Exact(Vec<f64>);
 
 /// `a + b` rounded, and what the rounding lost.
+#[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
@@ -18,9 +19,84 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// `a * b` rounded, and what the rounding lost.
+#[inline]
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, a.mul_add(b, -product))
+}
+
+/// A sum of two f64, the second less than half a unit in the last place of the first: about 106 bits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twice {
+    high: f64,
+    low: f64,
+}
+
+impl Twice {
+    /// `a - b`, exactly.
+    #[inline]
+    pub(crate) fn difference(a: f64, b: f64) -> Twice {
+        let (high, low) = two_sum(a, -b);
+        Twice { high, low }
+    }
+
+    /// `self * other`, but for 2^-102 of it.
+    #[inline]
+    fn times(self, other: Twice) -> Twice {
+        let (high, rest) = two_product(self.high, other.high);
+        let (high, low) = two_sum(high, rest + (self.high * other.low + self.low * other.high));
+        Twice { high, low }
+    }
+
+    /// `self + other`, but for 2^-102 of the larger of the two.
+    #[inline]
+    fn plus(self, other: Twice) -> Twice {
+        let (sum, rest) = two_sum(self.high, other.high);
+        let (high, low) = two_sum(sum, rest + (self.low + other.low));
+        Twice { high, low }
+    }
+
+    #[inline]
+    fn minus(self, other: Twice) -> Twice {
+        self.plus(Twice { high: -other.high, low: -other.low })
+    }
+}
+
+/// The sign of `d . (b x c)`, if twice the digits of f64 settle it.
+pub(crate) fn side_in_twice(d: [f64; 3], b: [Twice; 3], c: [Twice; 3]) -> Option<i32> {
+    let (mut sum, mut size) = (Twice { high: 0.0, low: 0.0 }, 0.0);
+    for (axis, i, j) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let minor = b[i].times(c[j]).minus(b[j].times(c[i]));
+        sum = sum.plus(minor.times(Twice { high: d[axis], low: 0.0 }));
+        size += d[axis].abs() * ((b[i].high * c[j].high).abs() + (b[j].high * c[i].high).abs());
+    }
+    // What underflows is left to others, as is what is no number.
+    let is_settled = sum.high.abs() > ERROR * size + LEAST && size.is_finite();
+    is_settled.then_some(if sum.high > 0.0 { 1 } else { -1 })
+}
+
+/// Operations on [`Twice`] one after the other, fewer than sixteen, are off by so much of the products at most.
+const ERROR: f64 = 1.0 / (1u128 << 96) as f64;
+
+/// What underflows is left to others, as is what is no number.
+const LEAST: f64 = 1e-200;
+
+/// `(e x f) . a / (e x f) . d`, to within `most` and as much of it, if twice the digits of f64 settle it.
+pub(crate) fn quotient_in_twice([e, f, a]: [[Twice; 3]; 3], d: [f64; 3], most: f64) -> Option<f64> {
+    let (mut sums, mut sizes) = ([Twice { high: 0.0, low: 0.0 }; 2], [0.0; 2]);
+    for (axis, i, j) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let normal = e[i].times(f[j]).minus(e[j].times(f[i]));
+        let size = (e[i].high * f[j].high).abs() + (e[j].high * f[i].high).abs();
+        for (k, by) in [a[axis], Twice { high: d[axis], low: 0.0 }].into_iter().enumerate() {
+            sums[k] = sums[k].plus(normal.times(by));
+            sizes[k] += size * by.high.abs();
+        }
+    }
+    let [numerator, denominator] = sums.map(|sum| sum.high);
+    let t = numerator / denominator;
+    let [off, of] = sizes.map(|size| ERROR * size + LEAST);
+    let is_settled = of <= 0.25 * most * denominator.abs() && off <= 0.25 * most * denominator.abs();
+    (is_settled && t.is_finite()).then_some(t)
 }
 
 impl Exact {
@@ -140,6 +216,28 @@ mod tests {
     }
 
     proptest! {
+        /// Corners almost on a line through the origin along `d`, and on it.
+        #[test]
+        fn twice_the_digits_have_the_right_sign(
+            d in proptest::array::uniform3(-1.0f64..1.0), along in proptest::array::uniform2(-9.0f64..9.0),
+            off in proptest::array::uniform6(-1.0f64..1.0), size in -110i32..3,
+        ) {
+            let point = |i: usize| [0, 1, 2].map(|axis| d[axis] * along[i] + off[3 * i + axis] * 2f64.powi(size));
+            let (b, c) = (point(0), point(1));
+            let exactly = |p: [f64; 3]| difference(p, [0.1, 0.2, 0.3]);
+            let twice = |p: [f64; 3]| [0, 1, 2].map(|axis| Twice::difference(p[axis], [0.1, 0.2, 0.3][axis]));
+            let exact = dot_f64(&cross(&exactly(b), &exactly(c)), d).sign();
+            if let Some(sign) = side_in_twice(d, twice(b), twice(c)) {
+                prop_assert_eq!(sign, exact);
+            }
+            let plain = |p: [f64; 3]| [0, 1, 2].map(|axis| Twice::difference(p[axis], 0.0));
+            let exact = dot_f64(&cross(&difference(b, [0.0; 3]), &difference(c, [0.0; 3])), d).sign();
+            let told = side_in_twice(d, plain(b), plain(c));
+            prop_assert!(told.is_none_or(|sign| sign == exact));
+            // Hardly ever is more needed.
+            prop_assert!(told.is_some() || exact == 0 || size < -20);
+        }
+
         /// Small integers over a power of two: i128 knows the exact answer.
         #[test]
         fn determinants_match_integers(m in proptest::array::uniform9(-(1i64 << 36)..(1i64 << 36))) {

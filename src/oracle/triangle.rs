@@ -116,6 +116,10 @@ pub(crate) fn sides(line: &Line, corners: &Corners) -> [f64; 3] {
 /// The sign of `d . ((b - o) x (c - o))`.
 #[cold]
 fn exact_side(line: &Line, b: [f64; 3], c: [f64; 3]) -> i32 {
+    let twice = |p: [f64; 3]| [0, 1, 2].map(|i| exact::Twice::difference(p[i], line.origin[i]));
+    if let Some(sign) = exact::side_in_twice(line.direction, twice(b), twice(c)) {
+        return sign;
+    }
     let b = exact::difference(b, line.origin);
     let c = exact::difference(c, line.origin);
     exact::dot_f64(&exact::cross(&b, &c), line.direction).sign()
@@ -142,6 +146,14 @@ fn distance(line: &Line, corners: &Corners, a: [f64; 3]) -> Option<f64> {
 
 #[cold]
 fn exact_distance(line: &Line, corners: &Corners) -> Option<f64> {
+    let twice = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| exact::Twice::difference(p[i], q[i]));
+    let [a, b, c] = *corners;
+    let from = [twice(b, a), twice(c, a), twice(a, line.origin)];
+    if let Some(t) = exact::quotient_in_twice(from, line.direction, 0.5 * T_ERROR)
+        && t.abs() > T_ERROR
+    {
+        return Some(t);
+    }
     let e = exact::difference(corners[1], corners[0]);
     let f = exact::difference(corners[2], corners[0]);
     let normal = exact::cross(&e, &f);
