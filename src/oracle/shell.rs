@@ -1,12 +1,13 @@
 //! The closed shells of a mesh, and what lies inside them, as [`crate::shells`] defines it.
 //!
-//! Winding numbers are found by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983); the parity by how
+//! Winding numbers are found by how often an oblique line from the point to infinity leaves the shell less how often it enters; where it passes an edge
+//! closely, or the point is on the surface, by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983). The parity is found by how
 //! often a line from the point to infinity pierces the shell, by the majority of three oblique lines that meet no edge.
 
 use enfilade_importers::Mesh;
 
-use super::triangle::{Corners, Line, Size, closest_point, pierce};
-use super::vector::{Bounds, cross, distance, dot, length, sub};
+use super::triangle::{Corners, Line, Size, closest_point, pierce, sides};
+use super::vector::{Bounds, cross, distance, dot, length, max_abs, sub};
 use crate::components::components;
 use crate::shells::{Inside, shells};
 use crate::trace::Ray;
@@ -24,6 +25,30 @@ const OBLIQUE: [[f64; 3]; 9] = [
     [0.173_29, 0.386_17, 0.906_01],
 ];
 
+/// The two axes across [`OBLIQUE`]'s first line: neither of unit length, nor at right angles to each other.
+const SHADE: [[f64; 3]; 2] = [[OBLIQUE[0][2], 0.0, -OBLIQUE[0][0]], [0.0, OBLIQUE[0][2], -OBLIQUE[0][1]]];
+
+/// Times the largest coordinate: what rounding moves shadows by, and much more.
+const SHADOW_ERROR: f64 = 64.0 * f64::EPSILON;
+
+/// Times 1 m and the largest coordinate: nearer to the surface solid angles decide.
+const NEAR: f64 = 1e-9;
+
+/// Where a point's shadow is.
+fn shadow(p: [f64; 3]) -> [f64; 2] {
+    SHADE.map(|axis| dot(axis, p))
+}
+
+/// The box around a triangle's shadow.
+fn shadow_of(corners: &Corners) -> [f64; 4] {
+    let points = corners.map(shadow);
+    let error = SHADOW_ERROR * corners.iter().map(|&corner| max_abs(corner)).fold(0.0, f64::max);
+    let [u, v] = [0, 1].map(|i| points.map(|p| p[i]));
+    let least = |c: [f64; 3]| c[0].min(c[1]).min(c[2]) - error;
+    let most = |c: [f64; 3]| c[0].max(c[1]).max(c[2]) + error;
+    [least(u), most(u), least(v), most(v)]
+}
+
 /// Lines that must agree by majority.
 const VOTES: u32 = 3;
 
@@ -31,6 +56,8 @@ const VOTES: u32 = 3;
 #[derive(Clone, Debug)]
 pub(crate) struct Shell {
     triangles: Vec<Corners>,
+    /// What [`SHADE`] leaves of each triangle on the plane across it: the least and the greatest coordinates, and a little more.
+    shadows: Vec<[f64; 4]>,
     bounds: Bounds,
     inside: Inside,
 }
@@ -50,7 +77,8 @@ impl Body {
             let corners = |t: [u32; 3]| t.map(|v| mesh.positions[v as usize]);
             let triangles: Vec<Corners> = shell.corners(mesh).map(corners).collect();
             let bounds = triangles.iter().fold(Bounds::EMPTY, |bounds, t| bounds.union(Bounds::of(t)));
-            Shell { triangles, bounds, inside: shell.inside }
+            let shadows = triangles.iter().map(shadow_of).collect();
+            Shell { triangles, shadows, bounds, inside: shell.inside }
         });
         let shells: Vec<Shell> = shells.collect();
         let bounds = shells.iter().fold(Bounds::EMPTY, |bounds, shell| bounds.union(shell.bounds));
@@ -102,6 +130,41 @@ impl Body {
 impl Shell {
     /// How often the shell goes around `p`; for shells whose triangles agree.
     fn winding(&self, p: [f64; 3]) -> i64 {
+        self.winding_by_crossings(p).unwrap_or_else(|| self.winding_by_angles(p))
+    }
+
+    /// The same, if a line to infinity passes no edge closely, and `p` is not near the surface.
+    fn winding_by_crossings(&self, p: [f64; 3]) -> Option<i64> {
+        let line = Line::new(&Ray::new(p, OBLIQUE[0]))?;
+        let ([u, v], error) = (shadow(p), SHADOW_ERROR * line.reach);
+        let mut turns = 0;
+        for (corners, shadow) in self.triangles.iter().zip(&self.shadows) {
+            let [least_u, most_u, least_v, most_v] = *shadow;
+            if u < least_u - error || u > most_u + error || v < least_v - error || v > most_v + error {
+                continue;
+            }
+            let (sides, size) = (sides(&line, corners), Size::of(corners));
+            let error = size.side_error(line.reach);
+            let (is_left, is_right) =
+                (sides.iter().all(|&side| side > error), sides.iter().all(|&side| side < -error));
+            if is_left || is_right {
+                let t = pierce(&line, corners, size).filter(|t| t.abs() > NEAR * (1.0 + line.reach))?;
+                turns += if t < 0.0 {
+                    0
+                } else if is_left {
+                    1
+                } else {
+                    -1
+                };
+            } else if !(sides.iter().any(|&side| side > error) && sides.iter().any(|&side| side < -error)) {
+                return None;
+            }
+        }
+        Some(turns)
+    }
+
+    /// The same, wherever `p` is.
+    fn winding_by_angles(&self, p: [f64; 3]) -> i64 {
         // The solid angle of a triangle is twice the argument of a complex number. Instead of adding the arguments,
         // multiply the numbers, and count how often the product's argument passes from pi to -pi or back. That takes
         // no function whose last bits differ from one machine to the next.
@@ -244,6 +307,41 @@ mod tests {
         }
         assert_eq!(body.surface_near([0.0, 0.0, 4.9], 0.05).len(), 0);
         assert!(body.surface_near([0.0, 0.0, 4.9], 0.2).len() > 100);
+    }
+
+    #[test]
+    fn crossings_and_angles_tell_the_same() {
+        let body = |shape: Shape| body(shape).unwrap();
+        let bodies = [
+            body(unit().and(inner().flipped())),
+            body(unit().flipped()),
+            body(unit().and(unit())),
+            body(unit().and(Shape::cuboid([0.5; 3], [1.5; 3]))),
+            body(Shape::prism(60, 0.9, 0.1, 0.8)),
+        ];
+        let mut random = crate::splitmix::SplitMix64::new(5);
+        let (mut told, mut turns) = (0, [0; 5]);
+        for i in 0..4000 {
+            let mut p = [0; 3].map(|_| random.between(-0.5, 2.0));
+            if i % 4 == 0 {
+                // On planes of faces, and near them.
+                p[i / 4 % 3] = [0.0, 1.0, 0.25, 0.5][i / 12 % 4]
+                    + random.between(-1.0, 1.0) * 10f64.powi(-(i as i32 % 20));
+            }
+            for body in &bodies {
+                for shell in &body.shells {
+                    let by_angles = shell.winding_by_angles(p);
+                    turns[(by_angles + 2) as usize] += 1;
+                    if let Some(by_crossings) = shell.winding_by_crossings(p) {
+                        assert_eq!(by_crossings, by_angles, "{p:?}");
+                        told += 1;
+                    }
+                }
+            }
+        }
+        let all: i32 = turns.iter().sum();
+        assert!(told * 20 > all * 19, "{told} of {all}");
+        assert!(turns[1] > 300 && turns[2] > 3000 && turns[3] > 300, "{turns:?}");
     }
 
     proptest! {
