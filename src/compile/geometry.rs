@@ -219,3 +219,52 @@ impl Writer<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::generate::{HouseOptions, OfficeOptions, Style, build1, house};
+    use crate::roles::roles;
+    use crate::{CompileOptions, compile};
+
+    type Bits = [[u64; 3]; 3];
+
+    /// The corners to the last bit, in an order of their own.
+    fn bits(corners: [[f64; 3]; 3]) -> Bits {
+        let mut bits = corners.map(|corner| corner.map(f64::to_bits));
+        bits.sort_unstable();
+        bits
+    }
+
+    /// So what is exact of the compiled triangles is exact of the model's.
+    #[test]
+    fn triangles_are_the_models_to_the_last_bit() {
+        let mut far = Style::cad(3);
+        (far.far, far.turned, far.noise) = (true, true, 2e-4);
+        let house = house(&HouseOptions::default());
+        let office = build1(&OfficeOptions::default());
+        for (building, style) in
+            [(&house, Style::exact()), (&house, Style::cad(1)), (&house, far), (&office, Style::cad(2))]
+        {
+            let model = building.export(&style).to_model().unwrap();
+            let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+            let mut compiled = vec![BTreeSet::new(); model.elements.len()];
+            for triangle in 0..scene.detail_triangle_count() {
+                compiled[scene.triangle_element(triangle) as usize].insert(bits(scene.triangle(triangle)));
+            }
+            let roles = roles(&model, Untagged::default());
+            let mut count = 0;
+            for ((element, role), compiled) in model.elements.iter().zip(roles).zip(compiled) {
+                let is_met = matches!(role, Role::Solid | Role::Detail);
+                let all = 0..element.mesh.triangles.len();
+                let own: BTreeSet<Bits> =
+                    all.filter(|_| is_met).map(|triangle| bits(element.mesh.corners(triangle))).collect();
+                assert_eq!(own, compiled, "{} in {}", element.id, building.name);
+                count += own.len();
+            }
+            assert!(count > 1000, "{count}");
+        }
+    }
+}

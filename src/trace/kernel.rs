@@ -228,3 +228,58 @@ impl Probe for Cost {
         self.nearest(tables, query)
     }
 }
+
+#[cfg(all(test, feature = "compile"))]
+mod tests {
+    use enfilade_importers::Semantic;
+
+    use super::*;
+    use crate::oracle::fixtures::{Shape, model};
+    use crate::{CompileOptions, Hit, Ray, Scene, Start, Starts, Want, compile};
+
+    /// Small enough for an interpreter that checks every access to memory (docs/STRESS.md): all of a kernel's entries over a scene of two walls.
+    #[test]
+    fn every_entry_of_every_kernel_on_a_small_scene() {
+        let model = model(&[
+            (Semantic::Room, Shape::cuboid([0.0; 3], [4.0, 3.0, 2.5])),
+            (Semantic::Wall, Shape::cuboid([4.0, -0.2, 0.0], [4.3, 3.2, 2.5])),
+            (Semantic::Ground, Shape::cuboid([0.0, 0.0, -0.3], [4.0, 3.0, 0.0])),
+            (Semantic::Furniture, Shape::prism(5, 0.4, 0.5, 0.9)),
+        ]);
+        let compiled = compile(&model, &CompileOptions::default()).unwrap();
+        let rays: Vec<Ray> = (0..20)
+            .map(|i| {
+                let [a, b] = [f64::from(i) * 0.7, f64::from(i) * 1.9];
+                Ray::new([1.0 + a.sin(), 1.5 + b.cos(), 1.2], [a.cos(), a.sin(), 0.9 * b.sin()])
+            })
+            .collect();
+        let answers = |kernel: Kernel| {
+            let scene = Scene::from_bytes(&compiled.bytes).unwrap().with_kernel(kernel);
+            let mut told: Vec<Hit> =
+                rays.iter().map(|ray| scene.trace_from(Start::Anywhere, ray, Want::default())).collect();
+            let mut batch = vec![Hit::ESCAPED; rays.len()];
+            scene.trace_many(&rays, &mut batch, Want::default());
+            assert_eq!(batch, told);
+            let on: Vec<Ray> = told
+                .iter()
+                .filter(|hit| hit.t.is_finite())
+                .map(|hit| {
+                    Ray::new(hit.point, [hit.normal[0] + 0.1, hit.normal[1] - 0.2, hit.normal[2] + 0.3])
+                })
+                .collect();
+            let from: Vec<Hit> = told.iter().copied().filter(|hit| hit.t.is_finite()).collect();
+            let mut onward = vec![Hit::ESCAPED; on.len()];
+            scene.trace_many_of(Starts::Hits(&from), &on, &mut onward, Want::LEAST);
+            let mut occluded = vec![false; rays.len()];
+            scene.occluded_many(&rays, &mut occluded);
+            assert!(occluded.iter().zip(&told).all(|(&occluded, hit)| occluded == hit.t.is_finite()));
+            told.extend(onward);
+            told
+        };
+        let portable = answers(Kernel::PORTABLE);
+        assert!(portable.iter().filter(|hit| hit.t.is_finite()).count() > 10);
+        for kernel in Kernel::available() {
+            assert_eq!(answers(kernel), portable, "{kernel:?}");
+        }
+    }
+}
