@@ -18,7 +18,7 @@ use super::output;
 /// Ends with exit code 1 on any wrong answer, leak, panic, disagreement between ways, or where it is stuck. The report depends on the options alone, but for times.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000"
+    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
 )]
 pub struct Arguments {
     /// Rays in all, shared evenly among trials and families.
@@ -36,6 +36,12 @@ pub struct Arguments {
     /// Where the random numbers start.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// The index of the first ray of each trial and family: with one trial, one family and --rays 1, as a report told it, that ray alone.
+    #[arg(long, value_name = "INDEX", default_value_t = 0)]
+    first: u64,
+    /// Bad answers that are told in full, for each trial and family.
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    cases: usize,
     /// Without any progress for so long it is stuck.
     #[arg(long, value_name = "SECONDS", default_value_t = 900)]
     stuck_after: u64,
@@ -61,6 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     options.trials = arguments.trials.clone();
     options.families = arguments.families.clone();
     options.seed = arguments.seed;
+    (options.first, options.cases) = (arguments.first, arguments.cases);
     let names: Vec<String> = options.chosen().into_iter().map(|trial| trial.name).collect();
     if names.is_empty() {
         return Err(Failure::usage("no such trial: see --list, and --long --list"));

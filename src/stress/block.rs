@@ -105,7 +105,7 @@ impl Stage<'_> {
             if let Some(what) = what {
                 found.cases.push(self.case(family, first + number as u64, Some(ray), &what));
             } else if let Answer::Hit(hit) = hit.answer()
-                && number % 4 == 0
+                && (first + number as u64).is_multiple_of(4)
             {
                 onward.extend(mirrored(ray, &hit).map(|ray| (number, ray)));
             }

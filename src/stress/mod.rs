@@ -43,6 +43,8 @@ pub struct StressOptions {
     pub families: Vec<Family>,
     /// Where random numbers start.
     pub seed: u64,
+    /// The index of the first ray of each trial and family: with [`StressOptions::rays`] of 1 it is sent alone. Default 0.
+    pub first: u64,
     /// Bad answers that are reported in full, for each trial and family. Default 3.
     pub cases: usize,
     /// Progress and cancellation.
@@ -57,6 +59,7 @@ impl Default for StressOptions {
             trials: Vec::new(),
             families: Vec::new(),
             seed: 1,
+            first: 0,
             cases: 3,
             watch: Watch::default(),
         }
@@ -143,11 +146,12 @@ fn run(
                 return Ok(());
             }
             let parts = crate::parallel::map(WAVE.min(blocks - wave) as usize, |block| {
-                let first = (wave + block as u64) * BLOCK;
+                let sent = (wave + block as u64) * BLOCK;
+                let first = options.first.saturating_add(sent);
                 // What is stuck is known by the last that began.
                 let place = format!("{} {} from {first} on", trial.name, family.name());
-                options.watch.report(&place, (first as f64 / each as f64).min(0.999));
-                stage.block(family, first..each.min(first + BLOCK))
+                options.watch.report(&place, (sent as f64 / each as f64).min(0.999));
+                stage.block(family, first..first.saturating_add((each - sent).min(BLOCK)))
             });
             parts.into_iter().for_each(|part| found.merge(part, options.cases));
         }

@@ -30,6 +30,22 @@ fn the_same_report_at_any_number_of_threads() {
 }
 
 #[test]
+fn rays_are_sent_anew_by_their_index() {
+    let run = |first: u64, rays: u64| {
+        let (trials, families) = (vec!["near-coplanar".into()], vec![Family::AlongEdges]);
+        let report =
+            stress(&StressOptions { trials, families, first, rays, ..StressOptions::default() }).unwrap();
+        let mut counts = report.total;
+        counts.slowest_us = 0.0;
+        counts
+    };
+    let mut parts = run(0, 1027);
+    parts.add(&run(1027, 73));
+    assert_eq!(parts, run(0, 1100));
+    assert_ne!(run(0, 200), run(200, 200));
+}
+
+#[test]
 fn what_is_refused_fails() {
     let report = stress(&StressOptions { trials: vec!["nothing".into()], ..StressOptions::default() });
     assert!(!report.unwrap().passed(), "nothing was sent");

@@ -38,6 +38,22 @@ pub(super) fn front(rows: &[ErrorRow]) -> Vec<usize> {
     order
 }
 
+/// A place for a dot's number that no other has: ways that are much alike lie on each other.
+fn free_place([x, y]: [f64; 2], taken: &mut Vec<[f64; 2]>) -> [f64; 2] {
+    /// As wide and high as two digits are.
+    const SIZE: [f64; 2] = [0.5, 0.4];
+    let around = [[0.0, 0.2], [0.0, -0.5], [0.45, -0.12], [-0.45, -0.12]];
+    // Farther out, one ring after the other.
+    let rings = (0..=taken.len()).flat_map(|ring| {
+        let out = 1.0 + ring as f64;
+        around.map(|[dx, dy]| [x + dx * out, y + dy * out])
+    });
+    let is_free = |p: &[f64; 2]| taken.iter().all(|q| (0..2).any(|i| (p[i] - q[i]).abs() >= SIZE[i]));
+    let place = rings.into_iter().find(is_free).unwrap_or([x, y]);
+    taken.push(place);
+    place
+}
+
 impl ErrorReport {
     /// Nanoseconds a ray against the root of the mean square of the backward error, both in powers of ten, for
     /// [`plan_svg`](crate::plan::plan_svg) and [`plan_png`](crate::plan::plan_png). Ways that are wrong anywhere are red; a line leads along the
@@ -75,15 +91,15 @@ impl ErrorReport {
         if path.len() > 1 {
             shapes.push(lines(vec![path], FRONT, 0.05));
         }
+        let mut labels = Vec::new();
         for (number, row) in self.rows.iter().enumerate() {
             let (at, errors) = (place(row), &row.errors);
             let color = if errors.wrong == 0 { RIGHT } else { WRONG };
             let name = format!("{} {}", number + 1, row.kernel);
             let wrong = if errors.wrong == 0 { String::new() } else { format!(", {} wrong", errors.wrong) };
             shapes.push(dot(at, 0.14, color, name.clone()));
-            // Neighbours in the list, which are near each other here, too, above and below.
-            let aside = if number % 2 == 0 { 0.2 } else { -0.45 };
-            shapes.push(text([at[0], at[1] + aside], 0.4, Anchor::Middle, (number + 1).to_string()));
+            let label = free_place(at, &mut labels);
+            shapes.push(text(label, 0.4, Anchor::Middle, (number + 1).to_string()));
             let line = top - 0.3 - 0.62 * number as f64;
             shapes.push(dot([right + 0.4, line + 0.12], 0.12, color, String::new()));
             shapes.push(text([right + 0.7, line], 0.4, Anchor::Start, name + &wrong));
