@@ -44,7 +44,7 @@ pub enum OpenErrorKind {
 
 impl Scene {
     /// Opens the `.enf` file at `path`: by memory map with the feature `mmap`, else by reading it. Checksums, indices,
-    /// counts and numbers are all checked.
+    /// counts and numbers are all checked; those of the building's map when it is asked for (`Scene::building`).
     ///
     /// While a mapped scene is open, no other program may truncate the file or change it in place (replacing it by
     /// renaming another over it is fine, and is what this crate does).
@@ -59,7 +59,7 @@ impl Scene {
         load().map_err(|kind| OpenError { file: path.display().to_string(), kind })
     }
 
-    /// A scene from the bytes of an `.enf` file, which are copied and all checked.
+    /// A scene from the bytes of an `.enf` file, which are copied and checked as by [`Scene::open`].
     ///
     /// # Errors
     /// [`FormatError`]; no bytes make it panic.

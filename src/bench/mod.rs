@@ -15,7 +15,7 @@ pub use cells::{CrossingOptions, Crossings, crossings};
 pub use error::{ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, ImageError, Spread, error};
 pub use frozen::{FrozenError, FrozenScene};
 pub use robust::{Damage, RobustError, RobustOptions, RobustReport, RobustRow, robust};
-pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Work, skip};
+pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Steps, Work, skip};
 pub use sources::{SourceOptions, SourceReport, SourceRow, sources};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, error_names, names};

@@ -3,6 +3,7 @@
 //! The rays are random ones from rooms. Each row holds one way to answer them against another that is free of one source of error; the last of
 //! them is exact arithmetic on the model's triangles ([`Truth::first`]).
 
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -13,12 +14,12 @@ use serde::Serialize;
 use super::error::{Spread, Sum, shade_of};
 use super::speed::random_rays;
 use crate::compile::{CompileError, CompileOptions, compile};
-use crate::format::records::CellRecord;
-use crate::graph::parts;
-use crate::oracle::{First, Truth, TruthOptions};
+use crate::format::records::{CellRecord, PLAIN};
+use crate::graph::{At, parts};
+use crate::oracle::{First, Truth, TruthOptions, closest_point};
 use crate::roles::roles;
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Start, Want, plate_of};
+use crate::trace::{Hit, Kernel, NONE, Place, Plate, Prisms, Ray, Start, Want, plate_of};
 
 /// How to measure.
 #[derive(Clone, Debug)]
@@ -47,9 +48,12 @@ pub struct SourceRow {
     pub experiment: &'static str,
     /// Rays, or corners.
     pub count: u64,
-    /// Of these, how many came out otherwise: another element farther off than the tolerance, nothing instead of something, or the reverse.
-    pub differing: u64,
-    /// Errors of the others: metres, but of shades, which are between 0 and 1.
+    /// Of these, how many came out otherwise: farther off than the tolerance, another element that is not flush with it, nothing instead of
+    /// something, or the reverse. `None` where no answers are compared.
+    pub differing: Option<u64>,
+    /// Whether a ray that came out otherwise is a fault: not so where rays were rounded, which may pass an edge on its other side.
+    pub is_fault: bool,
+    /// Errors of the others: metres, but of shades, which are between 0 and 1. Escapes have none.
     pub errors: Spread,
 }
 
@@ -117,8 +121,9 @@ impl Experiment<'_> {
         let scene = self.scene;
         let hits: Vec<Hit> = self.each(|ray| scene.trace_from(start(scene, ray), ray, Want::LEAST));
         let kernel: Vec<Told> = hits.iter().map(told).collect();
-        let careful = self.each(|ray| told(&scene.careful(start(scene, ray), ray, Want::LEAST)));
-        let all = self.each(|ray| told(&whole.trace_from(Start::Cell(0), ray, Want::LEAST)));
+        // Without the quick way: of cells, and of one hierarchy, so that cells alone make the difference.
+        let careful: Vec<Hit> = self.each(|ray| scene.careful(start(scene, ray), ray, Want::LEAST));
+        let all = self.each(|ray| told(&whole.careful(Start::Cell(0), ray, Want::LEAST)));
         let narrow = self.each(|ray| {
             let ray = super::tracers::narrow(ray);
             told(&scene.trace_from(start(scene, &ray), &ray, Want::LEAST))
@@ -130,133 +135,145 @@ impl Experiment<'_> {
         let by = |kernel: Kernel| {
             self.each(|ray| told(&scene.trace_with(kernel, start(scene, ray), ray, Want::LEAST)))
         };
-        let (portable, widest) = (by(Kernel::PORTABLE), by(Kernel::avx512().unwrap_or(Kernel::best())));
-        let is_wall = |hit: &&Hit| hit.t.is_finite() && is_wall(scene, hit);
-        let walls: Vec<usize> = (0..hits.len()).filter(|&i| is_wall(&&hits[i])).collect();
-        let detail: Vec<usize> =
-            (0..hits.len()).filter(|&i| hits[i].t.is_finite() && !is_wall(&&hits[i])).collect();
+        let solid = scene.tables.cells.iter().filter(|cell| cell.kind == CellRecord::SOLID);
+        let solids: HashSet<u32> = solid.map(|cell| cell.element).collect();
         let every: Vec<usize> = (0..hits.len()).collect();
-        let [faces, read_off] = self.lattice(&hits);
-        vec![
+        let ended = every.iter().copied().filter(|&i| hits[i].t.is_finite());
+        let (walls, detail): (Vec<usize>, Vec<usize>) =
+            ended.partition(|&i| solids.contains(&hits[i].element));
+        let [faces, read_off] = self.lattice(&careful);
+        let careful: Vec<Told> = careful.iter().map(told).collect();
+        let mut rows = vec![
             faces,
             read_off,
-            self.between("lattice", "cells, against one hierarchy of all triangles", &kernel, &all),
             self.between(
-                "the quick way",
-                "planes for triangles, margins in f32, against f64 and all triangles",
+                ("lattice", "cells, against one hierarchy of all triangles, both in f64"),
+                &careful,
+                &all,
+            ),
+            self.between(
+                ("the quick way", "planes for triangles, margins in f32, against f64 and all triangles"),
                 &kernel,
                 &careful,
             ),
-            self.between("kernels", "the widest, against the portable one", &widest, &portable),
-            self.to_exact("f64", "the truth in f64, against exact arithmetic", &f64s, &every),
-            self.to_exact("traversal", "the kernel, against exact arithmetic", &kernel, &every),
+        ];
+        let portable = by(Kernel::PORTABLE);
+        for other in Kernel::available().into_iter().filter(|kernel| *kernel != Kernel::PORTABLE) {
+            let source = match other.name() {
+                "avx2" => "AVX2",
+                _ => "AVX-512",
+            };
+            rows.push(self.between((source, "against the portable kernel"), &by(other), &portable));
+        }
+        let mut rounded = self.to_exact(
+            ("f32 in rays", "rays rounded to f32, against exact arithmetic on those as they were"),
+            &narrow,
+            &every,
+        );
+        rounded.is_fault = false;
+        rows.extend([
+            self.to_exact(("f64", "the truth in f64, against exact arithmetic"), &f64s, &every),
+            self.to_exact(("traversal", "the kernel, against exact arithmetic"), &kernel, &every),
             self.to_exact(
-                "walls",
-                "the same, of rays that end at what cells were cut around",
+                ("walls", "the same, of rays that end at what cells were cut around"),
                 &kernel,
                 &walls,
             ),
-            self.to_exact("detail", "the same, of rays that end at anything else", &kernel, &detail),
-            self.to_exact(
-                "f32 in rays",
-                "rays rounded to f32, against exact arithmetic on those as they were",
-                &narrow,
-                &every,
-            ),
+            self.to_exact(("detail", "the same, of rays that end at anything else"), &kernel, &detail),
+            rounded,
             self.shading(&hits, false),
             self.shading(&hits, true),
-        ]
+        ]);
+        rows
     }
 
     fn each<T: Send>(&self, answer: impl Fn(&Ray) -> T + Sync + Send) -> Vec<T> {
         crate::parallel::map(self.rays.len(), |i| answer(&self.rays[i]))
     }
 
-    fn between(
-        &self,
-        source: &'static str,
-        experiment: &'static str,
-        one: &[Told],
-        other: &[Told],
-    ) -> SourceRow {
-        let mut row = Row::new(source, experiment);
+    fn between(&self, names: Names, one: &[Told], other: &[Told]) -> SourceRow {
+        let mut row = Row::new(names);
         for (&(t, element), &(as_much, as_such)) in one.iter().zip(other) {
-            let off = if t == as_much { 0.0 } else { (t - as_much).abs() };
-            row.add(off, off <= self.scene.tolerance() && (element == as_such || off <= FLUSH));
+            if t.is_infinite() && as_much.is_infinite() {
+                row.agree();
+                continue;
+            }
+            let off = (t - as_much).abs();
+            row.compare(off, off <= self.scene.tolerance() && (element == as_such || off <= FLUSH));
         }
         row.done()
     }
 
     /// Distances against the exact ones, of some of the rays.
-    fn to_exact(
-        &self,
-        source: &'static str,
-        experiment: &'static str,
-        told: &[Told],
-        which: &[usize],
-    ) -> SourceRow {
-        let mut row = Row::new(source, experiment);
+    fn to_exact(&self, names: Names, told: &[Told], which: &[usize]) -> SourceRow {
+        let mut row = Row::new(names);
         for &i in which {
             let (t, element) = told[i];
             match &self.exact[i] {
                 Some(first) if t.is_finite() && t >= 0.0 => {
                     let off = first.off(t).abs();
                     let is_met = first.met.iter().any(|(met, _)| met.element.0 == element);
-                    row.add(off, off <= self.scene.tolerance() && (is_met || off <= FLUSH));
+                    row.compare(off, off <= self.scene.tolerance() && (is_met || off <= FLUSH));
                 }
-                Some(_) => row.add(0.0, false),
-                None => row.add(0.0, t.is_infinite()),
+                None if t.is_infinite() => row.agree(),
+                _ => row.compare(f64::INFINITY, false),
             }
         }
         row.done()
     }
 
-    /// How far cells' surfaces are off: their corners from the planes of what stands there; and what distances would be, were they read off the
-    /// lattice's surfaces.
+    /// How far cells' surfaces are off: their corners from the triangles that stand there; and what distances would be, were they read off
+    /// plain faces of cells.
     fn lattice(&self, hits: &[Hit]) -> [SourceRow; 2] {
         let tables = &self.scene.tables;
         let prisms = Prisms::new(tables);
-        let plane_of = |source: u32| {
-            plate_of(&tables.triangles, &tables.vertices, tables.sources[source as usize].plane)
-        };
-        let mut corners =
-            Row::new("lattice", "corners of cells' faces, from the planes of the triangles there");
-        let mut by_cell = Vec::new();
-        for (index, cell) in tables.cells.iter().enumerate() {
+        let corners_of = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
+        // Of each cell of air: corners' errors, and its plain faces.
+        let cells = crate::parallel::map(tables.cells.len(), |index| {
+            let (mut offs, mut plain) = (Vec::new(), Vec::new());
+            let cell = &tables.cells[index];
             let parts = if cell.kind == CellRecord::AIR { parts(&prisms, cell) } else { Vec::new() };
-            by_cell.push(Vec::new());
             for part in parts.into_iter().filter(|part| part.source != NONE) {
-                let plate = plane_of(part.source);
-                let normal = DVec3::from(plate.normal);
-                if normal == DVec3::ZERO {
-                    continue;
+                let triangles = prisms.triangles_of(part.source);
+                for corner in part.corners.iter().filter(|_| !triangles.is_empty()) {
+                    let near =
+                        |&t: &u32| corner.distance(closest_point(&corners_of(t), corner.to_array()).into());
+                    offs.push(triangles.iter().map(near).fold(f64::INFINITY, f64::min));
                 }
-                for corner in &part.corners {
-                    let off = (normal.dot(*corner) - plate.offset).abs();
-                    corners.add(off, true);
+                let flags = match part.at {
+                    At::Face(face) => tables.faces[face as usize].flags,
+                    At::Cover(cover) => tables.covers[cover as usize].flags,
+                };
+                if flags & PLAIN != 0 {
+                    let plane = tables.sources[part.source as usize].plane;
+                    plain.push((plate_of(&tables.triangles, &tables.vertices, plane), part.corners));
                 }
-                by_cell[index].push((plate, part.corners));
             }
-        }
-        let mut read_off =
-            Row::new("lattice", "distances, were they read off cells' faces, against the kernel");
+            (offs, plain)
+        });
+        let mut corners =
+            Row::new(("lattice", "corners of cells' faces, from the triangles that stand there"));
+        cells.iter().flat_map(|(offs, _)| offs).for_each(|&off| corners.measure(off));
+        let mut read_off = Row::new((
+            "lattice",
+            "distances, were they read off plain faces of cells, against the triangles",
+        ));
         for (ray, hit) in self.rays.iter().zip(hits) {
-            let Some(surfaces) = by_cell.get(hit.cell as usize).filter(|_| hit.t.is_finite()) else {
+            let Some((_, plain)) = cells.get(hit.cell as usize).filter(|_| hit.t.is_finite()) else {
                 continue;
             };
             let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
             let point = DVec3::from(hit.point);
-            // The surface in whose source's plane the hit lies.
-            let near = |(plate, corners): &&(crate::trace::Plate, Vec<DVec3>)| {
-                (DVec3::from(plate.normal).dot(point) - plate.offset).abs() < FLUSH && holds(corners, point)
+            // The face behind whose plane the hit lies.
+            let near = |(plate, corners): &&(Plate, Vec<DVec3>)| {
+                (DVec3::from(plate.normal).dot(point) - plate.offset).abs() < NEAR && holds(corners, point)
             };
-            let Some((_, corners)) = surfaces.iter().find(near) else { continue };
+            let Some((_, corners)) = plain.iter().find(near) else { continue };
             let normal = newell(corners);
             let toward = normal.dot(direction);
             if toward.abs() > GRAZING {
                 let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-                let off = (normal.dot(middle - origin) / toward - hit.t).abs();
-                read_off.add(off, true);
+                read_off.measure((normal.dot(middle - origin) / toward - hit.t).abs());
             }
         }
         [corners.done(), read_off.done()]
@@ -267,9 +284,9 @@ impl Experiment<'_> {
         let experiment = if in_steps {
             "the same in 255 steps, as in a PNG"
         } else {
-            "shades by the kernel's normals, against the exact triangles'"
+            "shades by the kernel's normals, against the exact triangles', of rays that meet the same element"
         };
-        let mut row = Row::new("shading", experiment);
+        let mut row = Row::new(("shading", experiment));
         for ((ray, hit), exact) in self.rays.iter().zip(hits).zip(self.exact) {
             let Some(first) = exact else { continue };
             let own = first.met.iter().find(|(met, _)| met.element.0 == hit.element);
@@ -281,44 +298,62 @@ impl Experiment<'_> {
             if in_steps {
                 shade = (shade * 255.0).round() / 255.0;
             }
-            row.add((shade - shade_of(met.element.0, normal, ray)).abs(), true);
+            row.measure((shade - shade_of(met.element.0, normal, ray)).abs());
         }
         row.done()
     }
 }
 
-/// Nearer surfaces lie on each other, metres.
+/// Nearer surfaces are flush, metres.
 const FLUSH: f64 = 1e-6;
+
+/// A hit lies in the plane of a face from which it is no farther, metres: what walls that are not quite planar are off, and more.
+const NEAR: f64 = 1e-5;
 
 /// The sine of angles below which lattices and planes are not compared.
 const GRAZING: f64 = 1e-2;
 
+/// A source, and its experiment.
+type Names = (&'static str, &'static str);
+
 /// A source whose errors are being summed.
 struct Row {
-    source: &'static str,
-    experiment: &'static str,
+    names: Names,
     count: u64,
-    differing: u64,
+    differing: Option<u64>,
     sum: Sum,
 }
 
 impl Row {
-    fn new(source: &'static str, experiment: &'static str) -> Row {
-        Row { source, experiment, count: 0, differing: 0, sum: Sum::default() }
+    fn new(names: Names) -> Row {
+        Row { names, count: 0, differing: None, sum: Sum::default() }
     }
 
-    fn add(&mut self, error: f64, agrees: bool) {
+    /// An error by itself.
+    fn measure(&mut self, error: f64) {
         self.count += 1;
-        if agrees {
+        self.sum.add(error);
+    }
+
+    /// An error of two answers, and whether they agree.
+    fn compare(&mut self, error: f64, agree: bool) {
+        self.agree();
+        if agree {
             self.sum.add(error);
         } else {
-            self.differing += 1;
+            self.differing = self.differing.map(|count| count + 1);
         }
     }
 
+    /// Two answers without a distance.
+    fn agree(&mut self) {
+        self.count += 1;
+        self.differing.get_or_insert(0);
+    }
+
     fn done(self) -> SourceRow {
-        let Row { source, experiment, count, differing, sum } = self;
-        SourceRow { source, experiment, count, differing, errors: sum.spread() }
+        let Row { names: (source, experiment), count, differing, sum } = self;
+        SourceRow { source, experiment, count, differing, is_fault: true, errors: sum.spread() }
     }
 }
 
@@ -329,12 +364,7 @@ fn start(scene: &Scene, ray: &Ray) -> Start<'static> {
     }
 }
 
-/// Whether what was met is matter that cells were cut around.
-fn is_wall(scene: &Scene, hit: &Hit) -> bool {
-    scene.tables.cells.iter().any(|cell| cell.kind == CellRecord::SOLID && cell.element == hit.element)
-}
-
-/// Twice the area of a polygon along its normal, made of unit length.
+/// The normal of a polygon, of unit length.
 fn newell(corners: &[DVec3]) -> DVec3 {
     let next = corners.iter().cycle().skip(1);
     let sum: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - corners[0]).cross(*b - corners[0])).sum();
@@ -349,6 +379,11 @@ fn holds(corners: &[DVec3], point: DVec3) -> bool {
 }
 
 impl SourceReport {
+    /// Whether no answer came out otherwise that should not have.
+    pub fn passed(&self) -> bool {
+        self.rows.iter().all(|row| !row.is_fault || row.differing.unwrap_or(0) == 0)
+    }
+
     fn head(&self) -> String {
         format!(
             "{} random rays, {} of them with several exact answers; tolerance {} m, lattice of {:e} m",
@@ -362,7 +397,8 @@ impl SourceReport {
         let line = |row: &SourceRow| {
             let [largest, mean, rms] =
                 [row.errors.largest, row.errors.mean, row.errors.rms].map(|error| format!("{error:.1e}"));
-            let (count, differing) = (row.count.to_string(), row.differing.to_string());
+            let differing = row.differing.map_or("-".to_owned(), |count| count.to_string());
+            let count = row.count.to_string();
             [row.source.to_owned(), row.experiment.to_owned(), count, differing, largest, mean, rms]
         };
         [names].into_iter().chain(self.rows.iter().map(line)).collect()
@@ -407,13 +443,16 @@ mod tests {
         let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
         let report = sources(&model, &SourceOptions { rays: 3000, ..SourceOptions::default() }).unwrap();
         for row in &report.rows {
-            assert_eq!(row.differing, 0, "{}", report.text());
+            assert_eq!(row.differing.unwrap_or(0), 0, "{}", report.text());
             assert!(row.count > 500, "{}", report.text());
         }
         let of = |source: &str| report.rows.iter().filter(|row| row.source == source).collect::<Vec<_>>();
         // The house lies on the lattice.
         assert!(of("lattice").iter().all(|row| row.errors.largest < 1e-9), "{}", report.text());
-        assert!(of("kernels")[0].errors.largest == 0.0 && of("f64")[0].errors.largest < 1e-13);
+        assert!(of("f64")[0].errors.largest < 1e-13);
+        let kernels = report.rows.iter().filter(|row| row.experiment == "against the portable kernel");
+        assert_eq!(kernels.clone().count() + 1, Kernel::available().len());
+        assert!(kernels.into_iter().all(|row| row.errors.largest == 0.0));
         assert!((1e-8..1e-4).contains(&of("f32 in rays")[0].errors.rms), "{}", report.text());
         // A step of 255 rounds by half of one at most, evenly.
         let steps = of("shading")[1].errors;
@@ -436,6 +475,6 @@ mod tests {
         let report = sources(&model, &SourceOptions { rays: 2000, ..SourceOptions::default() }).unwrap();
         let lattice: Vec<_> = report.rows.iter().filter(|row| row.source == "lattice").collect();
         assert!(lattice[0].errors.rms > 1e-8 && lattice[1].errors.rms > 1e-8, "{}", report.text());
-        assert!(report.rows.iter().all(|row| row.differing == 0), "{}", report.text());
+        assert!(report.passed() && lattice[0].errors.largest < 1e-3, "{}", report.text());
     }
 }

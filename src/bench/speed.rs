@@ -187,7 +187,7 @@ impl Timed {
         })
     }
 
-    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+    pub(super) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         #[cfg(feature = "rayon")]
         return self.pool.install(work);
         #[cfg(not(feature = "rayon"))]

@@ -60,8 +60,8 @@ fn parse_damage(name: &str) -> Result<Damage, String> {
 
 fn parse_size(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(size) if size > 0.0 && size.is_finite() => Ok(size),
-        _ => Err("must be a number greater than 0".to_owned()),
+        Ok(size) if (1e-12..=1e3).contains(&size) => Ok(size),
+        _ => Err("must be a number from 1e-12 to 1000".to_owned()),
     }
 }
 
@@ -74,19 +74,18 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     if !arguments.sizes.is_empty() {
         options.sizes = arguments.sizes.clone();
-        options.sizes.sort_by(f64::total_cmp);
     }
     options.rays = arguments.rays.unwrap_or(options.rays);
     options.verified = arguments.verified.unwrap_or(options.verified);
     (options.repeat, options.seed) = (arguments.repeat, arguments.seed);
     options.watch = arguments.resources.watch();
     let report = arguments.resources.in_pool(|| robust(&building, &options))?.map_err(Failure::input)?;
-    draw(&arguments.figure, || report.chart())?;
     if arguments.json {
         output::print_json(&report)?;
     } else {
         output::print(&if arguments.markdown { report.markdown() } else { report.text() })?;
     }
+    draw(&arguments.figure, || report.chart())?;
     let is_wrong = report.rows.iter().any(|row| row.wrong > 0) || report.drawn.wrong > 0;
     Ok(if is_wrong { Outcome::Findings } else { Outcome::Fine })
 }

@@ -65,5 +65,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     } else {
         output::print(&if arguments.markdown { report.markdown() } else { report.text() })?;
     }
-    Ok(if report.rows.iter().any(|row| row.differing > 0) { Outcome::Findings } else { Outcome::Fine })
+    Ok(if report.rows.iter().any(|row| row.differing.unwrap_or(0) > 0) {
+        Outcome::Findings
+    } else {
+        Outcome::Fine
+    })
 }

@@ -1,5 +1,5 @@
 //! A scene as tables: owned while it is compiled, viewed in place once it is opened. Opening checks every index,
-//! count and number that a reader relies on, so that later code need not.
+//! count and number that a reader relies on, so that later code need not; but for those of the building's map, which are checked when it is asked for.
 
 use std::sync::Arc;
 
@@ -249,8 +249,8 @@ fn view<T: Pod>(
 
 impl Views {
     /// The tables in `storage`. With `checked`, checksums, indices and numbers are checked; without, only what keeps
-    /// memory safe by construction (the table itself) is. The map's own are checked when they are asked for ([`Views::check_map`]): rays do not
-    /// read them.
+    /// memory safe by construction (the table itself) is. The map's own are always checked, when they are asked for ([`Views::check_map`]): rays do
+    /// not read them.
     pub(crate) fn open(storage: Storage, checked: bool) -> Result<Views, FormatError> {
         let storage = Arc::new(storage);
         let table = container::read_table(storage.bytes())?;
@@ -271,9 +271,9 @@ impl Views {
         }
         if checked {
             Check::new(&views)?.all()?;
-            let of_map = |entry: &SectionEntry| MapViews::NAMES.contains(&entry.name().as_str());
-            views.map_unchecked = View::own(table.iter().copied().filter(of_map).collect());
         }
+        let of_map = |entry: &SectionEntry| MapViews::NAMES.contains(&entry.name().as_str());
+        views.map_unchecked = View::own(table.iter().copied().filter(of_map).collect());
         views.derive();
         Ok(views)
     }
@@ -285,7 +285,7 @@ impl Views {
             let bytes = self.map.as_ref().and_then(|map| map.bytes(&name)).unwrap_or_default();
             container::check(bytes, entry)?;
         }
-        if self.map_unchecked.is_empty() { Ok(()) } else { super::map::check(self) }
+        super::map::check(self)
     }
 
     /// How many bytes the sections of the map have.

@@ -221,6 +221,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
     #[inline]
     fn with_detail(&mut self, record: &CellRecord, exit: &Exit, best: Option<Found>) -> Option<Found> {
         if record.root == NONE {
+            self.probe.empty();
             return best;
         }
         let until = best.map_or(exit.t, |best| best.t.max(exit.t));

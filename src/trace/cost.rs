@@ -16,7 +16,7 @@ pub struct Cost {
     pub unsure: u32,
     /// Of the prisms, those with nothing in them: no hierarchy was entered.
     pub empty: u32,
-    /// Faces whose plane was met without a look at triangles.
+    /// Faces whose plane was met without a look at triangles: on the quick way only.
     pub plain: u32,
 }
 

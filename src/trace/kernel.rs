@@ -250,7 +250,10 @@ mod tests {
         let rays: Vec<Ray> = (0..20)
             .map(|i| {
                 let [a, b] = [f64::from(i) * 0.7, f64::from(i) * 1.9];
-                Ray::new([1.0 + a.sin(), 1.5 + b.cos(), 1.2], [a.cos(), a.sin(), 0.9 * b.sin()])
+                Ray::new(
+                    [1.0 + a.sin(), 1.5 + b.cos(), 1.2],
+                    [a.cos().abs() + 0.1, 0.3 * a.sin(), 0.4 * b.sin() - 0.3],
+                )
             })
             .collect();
         // An escape has no point, and NaN is no number.

@@ -314,6 +314,31 @@ fn bench_measures_what_was_asked_for() {
 }
 
 #[test]
+fn sources_skips_and_damage_are_measured() {
+    let folder = Folder::new();
+    let house = fixture_arg("house.glb");
+    for what in ["sources", "skip"] {
+        let of = |scene: &[&str], how: &[&str]| {
+            folder.run(&[&["bench", what, "--rays", "300"][..], scene, how].concat()).expect(0)
+        };
+        let report = of(&[&house], &["--json"]).json();
+        assert!(report["rays"].as_u64() == Some(300) && list(&report, "rows").len() > 7, "{report}");
+        assert!(of(&["--frozen", "house"], &["--markdown"]).text().contains("|---|"));
+        folder.run(&["bench", what]).expect(2);
+        folder.run(&["bench", what, "no.glb"]).expect_failure(3, &["no.glb"]);
+    }
+    let robust = ["bench", "robust", "--damage", "room-gaps", "--sizes", "1e-3,1e-4", "--repeat", "1"];
+    let few = ["--rays", "300", "--verified", "500"];
+    let drawn = ["--figure", "r.svg", "--json"];
+    let report = folder.run(&[&robust[..], &few, &drawn].concat()).expect(0).json();
+    let sizes: Vec<f64> = list(&report, "rows").iter().map(|row| row["size"].as_f64().unwrap()).collect();
+    assert!(sizes == [1e-4, 1e-3] && folder.read("r.svg").starts_with(b"<svg"), "{report}");
+    for bad in [["--sizes", "0"], ["--sizes", "1e9"], ["--damage", "fire"], ["--frozen", "castle"]] {
+        folder.run(&[&["bench", "robust"][..], &bad].concat()).expect(2);
+    }
+}
+
+#[test]
 fn rules_are_printed_and_can_be_read_again() {
     let folder = Folder::new();
     let rules = folder.run(&["rules"]).expect(0);

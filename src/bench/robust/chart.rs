@@ -23,7 +23,9 @@ const LEAST: f64 = 1e-8;
 
 /// Shares are drawn in percent.
 const PANELS: [Panel; 6] = [
-    ("what openings join: found and right, %", false, |r, _| r.joins_found.min(r.joins_right) * 100.0),
+    ("what openings join: found and right, %", false, |r, _| {
+        r.joins_found.min(r.joins_right.unwrap_or(0.0)) * 100.0
+    }),
     ("cells, times those as drawn", true, |r, d| r.cells as f64 / d.cells.max(1) as f64),
     ("time to compile, times that as drawn", true, |r, d| r.compile_seconds / d.compile_seconds),
     ("time of a ray, times that as drawn", true, |r, _| r.ns_per_ray / r.drawn_ns_per_ray),

@@ -11,7 +11,7 @@ const COLUMNS: &[Column] = &[
     ("damage", |r, _| r.damage.map_or("as drawn", super::Damage::name).to_owned()),
     ("m", |r, _| if r.damage.is_some() { format!("{:e}", r.size) } else { "-".to_owned() }),
     ("joins found %", |r, _| percent(r.joins_found)),
-    ("right %", |r, _| percent(r.joins_right)),
+    ("right %", |r, _| r.joins_right.map_or("-".to_owned(), percent)),
     ("leaky", |r, _| r.leaky_pairs.to_string()),
     ("volumes off %", |r, _| format!("{:.3}", r.volume_error[0] * 100.0)),
     ("void m3", |r, _| format!("{:.3}", r.void_volume)),
@@ -39,8 +39,8 @@ impl RobustReport {
     fn head(&self) -> String {
         let drawn = &self.drawn;
         format!(
-            "{}, {}, one thread, tolerance {} m, {} rays, {} verified",
-            self.building, self.machine, self.tolerance, drawn.rays, drawn.verified
+            "{}, {}, compiled on {} thread(s), rays on one, tolerance {} m, {} rays, {} verified",
+            self.building, self.machine, self.threads, self.tolerance, drawn.rays, drawn.verified
         )
     }
 

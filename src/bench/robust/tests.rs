@@ -12,7 +12,7 @@ fn a_building_as_drawn_is_its_own_truth() {
     let report =
         robust(&house(&HouseOptions::default()), &RobustOptions { damages: Vec::new(), ..few() }).unwrap();
     let drawn = report.drawn;
-    assert_eq!((drawn.joins_found, drawn.joins_right, drawn.leaky_pairs), (1.0, 1.0, 0));
+    assert_eq!((drawn.joins_found, drawn.joins_right, drawn.leaky_pairs), (1.0, Some(1.0), 0));
     assert!(drawn.volume_error[1] < 1e-9 && drawn.void_volume == 0.0, "{drawn:?}");
     assert_eq!((drawn.other_element, drawn.leaks, drawn.in_solid, drawn.wrong), (0, 0, 0, 0));
     assert_eq!(drawn.moved_rms, 0.0);
@@ -30,7 +30,7 @@ fn damage_is_seen_in_what_it_touches() {
     for damage in [Damage::RoomGaps, Damage::RoomOverlaps] {
         let row = of(damage);
         assert_eq!((row.other_element, row.leaks, row.in_solid, row.moved_rms), (0, 0, 0, 0.0));
-        assert_eq!((row.joins_found, row.joins_right), (1.0, 1.0));
+        assert_eq!((row.joins_found, row.joins_right), (1.0, Some(1.0)));
     }
     // Walls that move by a centimetre move what rays meet there.
     for damage in [Damage::SolidGaps, Damage::SolidOverlaps, Damage::Jitter, Damage::Noise] {
@@ -62,5 +62,24 @@ fn cancelled() {
     cancel.cancel();
     let watch = Watch::default().with_cancel(cancel);
     let stopped = robust(&house(&HouseOptions::default()), &RobustOptions { watch, ..few() });
-    assert!(stopped.is_err());
+    assert!(matches!(stopped, Err(RobustError::Cancelled(_))), "{stopped:?}");
+}
+
+#[test]
+fn sizes_that_are_none_are_left_out() {
+    let (damages, sizes) =
+        (vec![Damage::Jitter, Damage::Jitter], vec![1e-3, 0.0, f64::NAN, 1e-3, -1.0, 1e300]);
+    let report =
+        robust(&house(&HouseOptions::default()), &RobustOptions { damages, sizes, ..few() }).unwrap();
+    assert_eq!(report.rows.iter().map(|row| row.size).collect::<Vec<_>>(), [1e-3]);
+}
+
+/// Where corners are welded, as far as that goes, and past it.
+#[test]
+fn noise_up_to_where_nothing_closes_is_answered_rightly() {
+    let (damages, sizes) = (vec![Damage::Noise], vec![1.1e-3, 1.5e-3, 2e-3, 2.3e-3]);
+    let options = RobustOptions { damages, sizes, verified: 20_000, ..few() };
+    let report = robust(&house(&HouseOptions::default()), &options).unwrap();
+    assert!(report.rows.iter().all(|row| row.wrong == 0 && row.verified > 20_000), "{}", report.text());
+    assert!(report.rows[0].joins_found > 0.9, "{}", report.text());
 }

@@ -43,12 +43,22 @@ impl Default for SkipOptions {
     }
 }
 
-/// What it takes, for a ray, or for a file.
+/// What it takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Work {
-    /// Nanoseconds.
+    /// Nanoseconds a ray, or of an opening.
     pub ns: f64,
+    /// Steps of a ray in the mean; `None` where they are not counted.
+    pub steps: Option<Steps>,
+    /// Bytes of the file that are checked; `None` of rays.
+    pub bytes: Option<u64>,
+}
+
+/// Steps of a ray in the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Steps {
     /// Prisms crossed.
     pub cells: f64,
     /// Of these, with nothing in them.
@@ -61,8 +71,6 @@ pub struct Work {
     pub tests: f64,
     /// Planes met without a look at triangles.
     pub plain: f64,
-    /// Bytes of the file that are read and checked.
-    pub bytes: u64,
 }
 
 /// A skip: with it, and without it.
@@ -76,8 +84,8 @@ pub struct SkipRow {
     pub with: Work,
     /// Without it.
     pub without: Work,
-    /// Rays whose answers differ: none should.
-    pub differing: u64,
+    /// Rays whose answers differ: farther off than the tolerance, or another element that is not flush; none should. `None` of files.
+    pub differing: Option<u64>,
 }
 
 impl SkipRow {
@@ -104,7 +112,7 @@ pub struct SkipReport {
     pub rays: u64,
     /// What is skipped for rays.
     pub rows: Vec<SkipRow>,
-    /// What is skipped in a file that is opened: of its nanoseconds there are as many as of an opening.
+    /// What is skipped where a file is opened.
     pub files: Vec<SkipRow>,
 }
 
@@ -203,6 +211,9 @@ fn without_level_planes(scene: &Scene) -> Scene {
 /// How a ray is answered.
 type Ask<'a> = &'a dyn Fn(&Started) -> Hit;
 
+/// What that takes, if it can be counted.
+type Count<'a> = Option<&'a dyn Fn(&Started) -> Cost>;
+
 struct Bench<'a> {
     scene: &'a Scene,
     rays: &'a [Started],
@@ -216,83 +227,88 @@ impl Bench<'_> {
         let counted =
             |scene: &Scene, start: Start<'_>, ray: &Ray| scene.trace_cost_from(start, ray, Want::LEAST).1;
         let here = |start: &Started| counted(scene, Start::Cell(start.cell), &start.ray);
-        let mut rows = Vec::new();
+        let with: (Ask<'_>, Count<'_>) = (&from_cell, Some(&here));
+        // Straight to the hierarchy: there are no cells to try.
+        let of_all = |start: &Started| whole.careful(Start::Cell(0), &start.ray, Want::LEAST);
+        let steps_of_all = |start: &Started| whole.careful_cost(Start::Cell(0), &start.ray, Want::LEAST).1;
+        let mut rows = vec![self.row(
+            ("triangles of cells that the ray does not cross", "always"),
+            with,
+            (&of_all, Some(&steps_of_all)),
+        )];
         for (skipped, when, other) in [
-            ("triangles of cells that the ray does not cross", "always", None),
-            ("triangles behind plain faces", "faces are plain", Some(without_plain_faces(scene))),
-            (
-                "hierarchies of cells with nothing in them",
-                "cells are empty",
-                Some(without_empty_cells(scene)),
-            ),
-            ("slopes of floors and ceilings", "these are level", Some(without_level_planes(scene))),
+            ("triangles behind plain faces", "faces are plain", without_plain_faces(scene)),
+            ("hierarchies of cells with nothing in them", "cells are empty", without_empty_cells(scene)),
+            ("slopes of floors and ceilings", "these are level", without_level_planes(scene)),
         ] {
-            let other = other.as_ref().unwrap_or(whole);
-            // A scene without cells has one, which is that of all.
-            let start = |start: &Started| {
-                if std::ptr::eq(other, whole) { Start::Cell(0) } else { Start::Cell(start.cell) }
-            };
-            rows.push(self.row(
-                (skipped, when),
-                (&from_cell, &here),
-                (&|ray| other.trace_from(start(ray), &ray.ray, Want::LEAST), &|ray| {
-                    counted(other, start(ray), &ray.ray)
-                }),
-            ));
+            let ask = |start: &Started| other.trace_from(Start::Cell(start.cell), &start.ray, Want::LEAST);
+            let steps = |start: &Started| counted(&other, Start::Cell(start.cell), &start.ray);
+            rows.push(self.row((skipped, when), with, (&ask, Some(&steps))));
         }
+        let careful = |start: &Started| scene.careful(Start::Cell(start.cell), &start.ray, Want::LEAST);
+        let steps = |start: &Started| scene.careful_cost(Start::Cell(start.cell), &start.ray, Want::LEAST).1;
         rows.push(self.row(
-            ("doubts that f64 and all triangles settle", "the ray passes no edge closely"),
-            (&from_cell, &here),
-            (&|start| scene.careful(Start::Cell(start.cell), &start.ray, Want::LEAST), &|start| {
-                scene.careful_cost(Start::Cell(start.cell), &start.ray, Want::LEAST).1
-            }),
+            ("all that settles doubts", "the ray passes no edge closely"),
+            with,
+            (&careful, Some(&steps)),
         ));
         let anywhere = |start: &Started| scene.trace_from(Start::Anywhere, &start.ray, Want::LEAST);
+        let steps = |start: &Started| counted(scene, Start::Anywhere, &start.ray);
         rows.push(self.row(
             ("finding the cell in which a ray starts", "the caller knows it"),
-            (&from_cell, &here),
-            (&anywhere, &|start| counted(scene, Start::Anywhere, &start.ray)),
+            with,
+            (&anywhere, Some(&steps)),
         ));
         let brief = |start: &Started| {
             let brief = scene.trace_brief(Start::Cell(start.cell), &start.ray);
-            Hit { t: brief.t, ..Hit::ESCAPED }
+            let element = if brief.triangle == NONE { NONE } else { scene.triangle_element(brief.triangle) };
+            Hit { t: brief.t, triangle: brief.triangle, element, ..Hit::ESCAPED }
         };
         let all = Want { room: true, face: true, triangle: true };
         rows.push(self.row(
             ("room, kind of face, very triangle, normal", "a brief answer is asked for"),
-            (&brief, &here),
-            (&|start| scene.trace_from(Start::Cell(start.cell), &start.ray, all), &here),
+            (&brief, Some(&here)),
+            (&|start| scene.trace_from(Start::Cell(start.cell), &start.ray, all), None),
         ));
-        rows.push(self.sight());
+        rows.extend(self.sight());
         rows
     }
 
     fn row(
         &self,
         (skipped, when): (&'static str, &'static str),
-        (with, count_with): (Ask<'_>, &dyn Fn(&Started) -> Cost),
-        (without, count_without): (Ask<'_>, &dyn Fn(&Started) -> Cost),
+        with: (Ask<'_>, Count<'_>),
+        without: (Ask<'_>, Count<'_>),
     ) -> SkipRow {
         let mut told = [vec![Hit::ESCAPED; self.rays.len()], vec![Hit::ESCAPED; self.rays.len()]];
         let times = timed(self.options.repeat, |side| {
-            let ask = [with, without][side];
+            let ask = [with.0, without.0][side];
             for (start, hit) in self.rays.iter().zip(&mut told[side]) {
                 *hit = ask(start);
             }
         });
-        let tolerance = self.scene.tolerance();
-        let is_same = |a: f64, b: f64| a == b || (a - b).abs() <= tolerance;
-        let is_other = |(a, b): &(&Hit, &Hit)| !is_same(a.t, b.t);
-        let differing = told[0].iter().zip(&told[1]).filter(is_other).count() as u64;
-        let work = |side: usize, count: &dyn Fn(&Started) -> Cost| Work {
-            ns: times[side] / self.rays.len() as f64,
-            ..self.counted(count)
+        let differing = told[0].iter().zip(&told[1]).filter(|(a, b)| !self.are_same(a, b)).count() as u64;
+        let work = |side: usize, count: Count<'_>| Work {
+            ns: times[side] / self.rays.len().max(1) as f64,
+            steps: count.map(|count| self.counted(count)),
+            bytes: None,
         };
-        SkipRow { skipped, when, with: work(0, count_with), without: work(1, count_without), differing }
+        SkipRow {
+            skipped,
+            when,
+            with: work(0, with.1),
+            without: work(1, without.1),
+            differing: Some(differing),
+        }
     }
 
-    /// Whether anything is in the way, and what is nearest, between the starts of rays.
-    fn sight(&self) -> SkipRow {
+    fn are_same(&self, a: &Hit, b: &Hit) -> bool {
+        let off = if a.t == b.t { 0.0 } else { (a.t - b.t).abs() };
+        off <= FLUSH || (off <= self.scene.tolerance() && a.element == b.element)
+    }
+
+    /// Whether anything is in the way, and what is nearest, between the starts of rays; nothing if all start in one point.
+    fn sight(&self) -> Option<SkipRow> {
         let ends = self.rays.iter().cycle().skip(1);
         let segments: Vec<Started> = self
             .rays
@@ -305,6 +321,9 @@ impl Bench<'_> {
                 Started { ray: Ray::segment(from.ray.origin, way, 0.0, length), cell: from.cell }
             })
             .collect();
+        if segments.is_empty() {
+            return None;
+        }
         let scene = self.scene;
         let bench = Bench { rays: &segments, ..*self };
         let from_cell = |start: &Started| scene.trace_from(Start::Cell(start.cell), &start.ray, Want::LEAST);
@@ -316,56 +335,63 @@ impl Bench<'_> {
             |start: &Started| scene.trace_cost_from(Start::Cell(start.cell), &start.ray, Want::LEAST).1;
         let mut row = bench.row(
             ("which of several things is nearest", "only sight is asked for"),
-            (&sees, &here),
-            (&from_cell, &here),
+            (&sees, None),
+            (&from_cell, Some(&here)),
         );
         // Only whether, not where.
         let is_other = |start: &&Started| sees(start).t.is_finite() != from_cell(start).t.is_finite();
-        row.differing = segments.iter().filter(is_other).count() as u64;
-        // Its own steps are not counted.
-        row.with = Work { ns: row.with.ns, ..Work::default() };
-        row
+        row.differing = Some(segments.iter().filter(is_other).count() as u64);
+        Some(row)
     }
 
     /// Means of all rays.
-    fn counted(&self, count: &dyn Fn(&Started) -> Cost) -> Work {
+    fn counted(&self, count: &dyn Fn(&Started) -> Cost) -> Steps {
         let mut all = Costs::default();
         self.rays.iter().for_each(|start| all.add(&count(start)));
-        Work {
+        Steps {
             cells: all.mean(all.cells),
             empty: all.mean(all.empty),
             nodes: all.mean(all.nodes),
             blocks: all.mean(all.blocks),
             tests: all.mean(all.tests),
             plain: all.mean(all.plain),
-            ..Work::default()
         }
     }
 }
 
+/// Nearer surfaces are flush, metres.
+const FLUSH: f64 = 1e-6;
+
 /// What opening a file skips.
 fn files(bytes: &[u8], options: &SkipOptions) -> Result<Vec<SkipRow>, FormatError> {
-    let open = |checked: bool| Views::open(Storage::copy(bytes), checked);
-    let opened = open(true)?;
-    let map: u64 = opened.map_bytes();
-    let rays: u64 = bytes.len() as u64 - map;
-    let row = |skipped, when, read: [u64; 2], work: &dyn Fn(usize)| {
-        let times = timed(options.repeat, work);
+    let opened = Views::open(Storage::copy(bytes), true)?;
+    opened.check_map()?;
+    let map = opened.map_bytes();
+    let rays = bytes.len() as u64 - map;
+    let row = |skipped, when, checked: [u64; 2], open: &dyn Fn(usize, Storage)| {
+        // Copied before the clock runs: a file that is mapped is not copied.
+        let storages = (0..2 * options.repeat.max(1)).map(|_| Storage::copy(bytes));
+        let mut storages: Vec<Storage> = storages.collect();
+        let times = timed(options.repeat, |side| {
+            if let Some(storage) = storages.pop() {
+                open(side, storage);
+            }
+        });
         let [with, without] =
-            [0, 1].map(|side| Work { ns: times[side], bytes: read[side], ..Work::default() });
-        SkipRow { skipped, when, with, without, differing: 0 }
+            [0, 1].map(|side| Work { ns: times[side], steps: None, bytes: Some(checked[side]) });
+        SkipRow { skipped, when, with, without, differing: None }
+    };
+    // Both went well above.
+    let map_too = |side: usize, storage: Storage| {
+        let views = Views::open(storage, true);
+        black_box(views.is_ok_and(|views| side == 0 || views.check_map().is_ok()));
+    };
+    let checked = |side: usize, storage: Storage| {
+        black_box(Views::open(storage, side == 1).is_ok());
     };
     Ok(vec![
-        row("the building's map", "only rays are asked", [rays, rays + map], &|side| {
-            if let Ok(views) = open(true)
-                && side == 1
-            {
-                black_box(views.check_map().is_ok());
-            }
-        }),
-        row("checks of checksums, indices and numbers", "the bytes are one's own", [0, rays], &|side| {
-            black_box(open(side == 1).is_ok());
-        }),
+        row("the building's map", "only rays are asked", [rays, rays + map], &map_too),
+        row("checks of checksums, indices and numbers", "the bytes are one's own", [0, rays], &checked),
     ])
 }
 

@@ -2,59 +2,46 @@
 
 use std::fmt::Write;
 
-use super::{SkipReport, SkipRow, Work};
+use super::{SkipReport, SkipRow, Steps, Work};
 
 /// The names of the columns of rays.
-const RAYS: [&str; 13] = [
-    "skipped",
-    "when",
-    "ns",
-    "without",
-    "times",
-    "cells",
-    "empty",
-    "nodes",
-    "blocks",
-    "triangles",
-    "planes",
-    "without: cells, nodes, blocks, triangles, planes",
-    "differing",
-];
+const RAYS: [&str; 8] = ["skipped", "when", "ns", "without", "times", STEPS, STEPS_WITHOUT, "differing"];
 
-const FILES: [&str; 7] = ["skipped", "when", "ms", "without", "times", "bytes", "without"];
+/// What is told of steps, with the skip and without.
+const STEPS: &str = "cells/empty/nodes/blocks/triangles/planes";
+const STEPS_WITHOUT: &str = "the same without";
+
+const FILES: [&str; 7] = ["skipped", "when", "ms", "without", "times", "bytes checked", "without"];
+
+fn steps(work: &Work) -> String {
+    let Some(Steps { cells, empty, nodes, blocks, tests, plain }) = work.steps else { return "-".to_owned() };
+    [cells, empty, nodes, blocks, tests, plain].map(|mean| format!("{mean:.2}")).join("/")
+}
 
 fn ray_cells(row: &SkipRow) -> Vec<String> {
-    let mean = |number: f64| format!("{number:.2}");
-    let Work { cells, nodes, blocks, tests, plain, .. } = row.without;
-    let mut line = vec![
+    vec![
         row.skipped.to_owned(),
         row.when.to_owned(),
         format!("{:.1}", row.with.ns),
         format!("{:.1}", row.without.ns),
-        mean(row.ratio()),
-    ];
-    let with = row.with;
-    if with.cells == 0.0 {
-        // Not counted.
-        line.extend(["-"; 6].map(str::to_owned));
-    } else {
-        line.extend([with.cells, with.empty, with.nodes, with.blocks, with.tests, with.plain].map(mean));
-    }
-    line.push([cells, nodes, blocks, tests, plain].map(mean).join(", "));
-    line.push(row.differing.to_string());
-    line
+        format!("{:.2}", row.ratio()),
+        steps(&row.with),
+        steps(&row.without),
+        row.differing.map_or("-".to_owned(), |count| count.to_string()),
+    ]
 }
 
 fn file_cells(row: &SkipRow) -> Vec<String> {
     let ms = |ns: f64| format!("{:.3}", ns * 1e-6);
+    let bytes = |work: &Work| work.bytes.unwrap_or(0).to_string();
     vec![
         row.skipped.to_owned(),
         row.when.to_owned(),
         ms(row.with.ns),
         ms(row.without.ns),
         format!("{:.2}", row.ratio()),
-        row.with.bytes.to_string(),
-        row.without.bytes.to_string(),
+        bytes(&row.with),
+        bytes(&row.without),
     ]
 }
 
