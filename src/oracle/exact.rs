@@ -238,6 +238,36 @@ mod tests {
             prop_assert!(told.is_some() || exact == 0 || size < -20);
         }
 
+        /// Where a line almost along a triangle's plane meets it.
+        #[test]
+        fn quotients_are_as_near_as_they_say(
+            e in proptest::array::uniform3(-3.0f64..3.0), f in proptest::array::uniform3(-3.0f64..3.0),
+            a in proptest::array::uniform3(-9.0f64..9.0), shares in proptest::array::uniform2(-1.0f64..1.0),
+            off in proptest::array::uniform3(-1.0f64..1.0), size in -60i32..0,
+        ) {
+            let d = [0, 1, 2].map(|i| e[i] * shares[0] + f[i] * shares[1] + off[i] * 2f64.powi(size));
+            let twice = |p: [f64; 3]| p.map(|c| Twice::difference(c, 0.0));
+            let exactly = |p: [f64; 3]| difference(p, [0.0; 3]);
+            let normal = cross(&exactly(e), &exactly(f));
+            let exact = dot(&normal, &exactly(a)).value() / dot_f64(&normal, d).value();
+            const MOST: f64 = 1e-10;
+            let told = quotient_in_twice([twice(e), twice(f), twice(a)], d, MOST);
+            if let Some(t) = told {
+                prop_assert!((t - exact).abs() <= MOST * (1.0 + exact.abs()), "{} {}", t, exact);
+            }
+            let is_thin = normal.iter().all(|c| c.value().abs() < 1e-3);
+            prop_assert!(told.is_some() || size < -40 || is_thin);
+        }
+
+        #[test]
+        fn what_underflows_is_left_to_others(d in proptest::array::uniform3(-1.0f64..1.0)) {
+            let tiny = [0, 1, 2].map(|_| Twice::difference(1e-180, 0.0));
+            prop_assert_eq!(side_in_twice(d, tiny, tiny), None);
+            let huge = [0, 1, 2].map(|i| Twice::difference(1e200 * (i as f64 + 1.0), 0.0));
+            prop_assert_eq!(side_in_twice(d, huge, [huge[2], huge[0], huge[1]]), None);
+            prop_assert_eq!(quotient_in_twice([tiny, tiny, tiny], d, 1e-10), None);
+        }
+
         /// Small integers over a power of two: i128 knows the exact answer.
         #[test]
         fn determinants_match_integers(m in proptest::array::uniform9(-(1i64 << 36)..(1i64 << 36))) {

@@ -32,7 +32,6 @@ pub use right::{Judgement, Verdict, Why};
 pub use soup::Nearest;
 
 pub(crate) use random::Random;
-pub(crate) use triangle::closest_point;
 
 use brute::Brute;
 use grid::Grid;

@@ -28,10 +28,12 @@ const OBLIQUE: [[f64; 3]; 9] = [
 /// The two axes across [`OBLIQUE`]'s first line: neither of unit length, nor at right angles to each other.
 const SHADE: [[f64; 3]; 2] = [[OBLIQUE[0][2], 0.0, -OBLIQUE[0][0]], [0.0, OBLIQUE[0][2], -OBLIQUE[0][1]]];
 
-/// Times the largest coordinate: what rounding moves shadows by, and much more.
+/// Times the largest coordinate: what moves shadows at most, and much more. They are rounded twice, by an epsilon each; and the line that is followed is
+/// the normalised one, off by half an epsilon for each axis, which over twice the largest coordinate moves its shadow by as many more.
 const SHADOW_ERROR: f64 = 64.0 * f64::EPSILON;
 
-/// Times 1 m and the largest coordinate: nearer to the surface solid angles decide.
+/// Times 1 m and the largest coordinate: where the line pierces a triangle nearer to its start, by more than distances are rounded ([`pierce`]), solid
+/// angles decide.
 const NEAR: f64 = 1e-9;
 
 /// Where a point's shadow is.
@@ -319,6 +321,12 @@ mod tests {
             body(unit().and(Shape::cuboid([0.5; 3], [1.5; 3]))),
             body(Shape::prism(60, 0.9, 0.1, 0.8)),
         ];
+        // Where a national grid puts it.
+        const FAR: [f64; 3] = [458_123.4, 5_427_891.7, 112.3];
+        let moved = |shape: Shape| {
+            Shape(shape.0.into_iter().map(|t| t.map(|p| [0, 1, 2].map(|i| p[i] + FAR[i]))).collect())
+        };
+        let far = body(moved(Shape::prism(60, 0.9, 0.1, 0.8)));
         let mut random = crate::splitmix::SplitMix64::new(5);
         let (mut told, mut turns) = (0, [0; 5]);
         for i in 0..4000 {
@@ -327,6 +335,10 @@ mod tests {
                 // On planes of faces, and near them.
                 p[i / 4 % 3] = [0.0, 1.0, 0.25, 0.5][i / 12 % 4]
                     + random.between(-1.0, 1.0) * 10f64.powi(-(i as i32 % 20));
+            }
+            let there = [0, 1, 2].map(|i| p[i] + FAR[i]);
+            if let Some(by_crossings) = far.shells[0].winding_by_crossings(there) {
+                assert_eq!(by_crossings, far.shells[0].winding_by_angles(there), "{there:?}");
             }
             for body in &bodies {
                 for shell in &body.shells {

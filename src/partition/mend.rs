@@ -11,8 +11,8 @@ use glam::DVec3;
 
 use crate::components::rotated;
 
-/// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle. What the first does not close is
-/// tried with the next.
+/// Corners no farther apart are one, metres; and edges that pass a corner this near have it in their middle. An element whose open parts the first
+/// does not close, all of them, is tried with the next; what none closes is left as the first leaves it.
 const WELDS: [f64; 4] = [1e-4, 3e-4, 1e-3, 4e-3];
 
 /// Times that edges are split, each near its middle.

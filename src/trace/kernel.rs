@@ -237,7 +237,7 @@ mod tests {
     use crate::oracle::fixtures::{Shape, model};
     use crate::{CompileOptions, Hit, Ray, Scene, Start, Starts, Want, compile};
 
-    /// Small enough for an interpreter that checks every access to memory (docs/STRESS.md): all of a kernel's entries over a scene of two walls.
+    /// Small enough for an interpreter that checks every access to memory (docs/STRESS.md): all of a kernel's entries over a wall, the ground and a stool.
     #[test]
     fn every_entry_of_every_kernel_on_a_small_scene() {
         let model = model(&[
@@ -277,6 +277,10 @@ mod tests {
             scene.trace_many_of(Starts::Hits(&from), &on, &mut onward, Want::LEAST);
             let mut occluded = vec![false; rays.len()];
             scene.occluded_many(&rays, &mut occluded);
+            for (ray, from) in on.iter().zip(&from) {
+                let hit = scene.trace_from(Start::Hit(from), ray, Want::LEAST);
+                assert_eq!(scene.occluded_from(Start::Hit(from), ray), hit.t.is_finite());
+            }
             assert!(occluded.iter().zip(&told).all(|(&occluded, hit)| occluded == hit.t.is_finite()));
             told.extend(onward);
             told

@@ -65,7 +65,7 @@ impl ErrorReport {
         let place = |row: &ErrorRow| [across.place(row.ns_per_ray), up.place(error_of(row))];
         let mut shapes =
             vec![text([left, top + 0.4], 0.5, Anchor::Start, format!("{title}: error against time"))];
-        for power in -2..6 {
+        for power in -3..13 {
             for step in [1.0, 2.0, 5.0] {
                 let time = step * 10f64.powi(power);
                 let x = across.place(time);
