@@ -29,7 +29,7 @@ const PANELS: [Panel; 6] = [
     ("cells, times those as drawn", true, |r, d| r.cells as f64 / d.cells.max(1) as f64),
     ("time to compile, times that as drawn", true, |r, d| r.compile_seconds / d.compile_seconds),
     ("time of a ray, times that as drawn", true, |r, _| r.ns_per_ray / r.drawn_ns_per_ray),
-    ("rays that meet another element, escape, or start in one, %", false, |r, _| {
+    ("rays of another element, or none, %", false, |r, _| {
         (r.other_element + r.leaks + r.in_solid) as f64 * 100.0 / r.rays.max(1) as f64
     }),
     ("how far other rays are off, rms, m", true, |r, _| r.moved_rms.max(LEAST)),
