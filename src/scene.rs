@@ -77,6 +77,14 @@ impl Scene {
         Ok(Scene::from_views(Views::open(Storage::copy(bytes), false)?))
     }
 
+    /// Checks the building's map in the file, if there is one: what opening leaves out, since no ray needs it. What gives the building does so, too.
+    ///
+    /// # Errors
+    /// [`FormatError`] if its sections are damaged.
+    pub fn check_map(&self) -> Result<(), FormatError> {
+        self.tables.check_map()
+    }
+
     pub(crate) fn from_views(tables: Views) -> Scene {
         let columns = crate::trace::Columns::new(&tables);
         Scene { tables, kernel: crate::trace::Kernel::best(), closing: Default::default(), columns }

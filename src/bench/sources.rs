@@ -5,9 +5,8 @@
 
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::sync::Arc;
 
-use enfilade_importers::{Model, Untagged};
+use enfilade_importers::Model;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -29,13 +28,13 @@ pub struct SourceOptions {
     pub rays: u32,
     /// Seed of the rays.
     pub seed: u64,
-    /// As the model was compiled.
-    pub untagged: Untagged,
+    /// How the model is compiled.
+    pub compiling: CompileOptions,
 }
 
 impl Default for SourceOptions {
     fn default() -> SourceOptions {
-        SourceOptions { rays: 1 << 15, seed: 1, untagged: Untagged::default() }
+        SourceOptions { rays: 1 << 15, seed: 1, compiling: CompileOptions::default() }
     }
 }
 
@@ -79,10 +78,9 @@ pub struct SourceReport {
 /// # Errors
 /// Those of [`compile`].
 pub fn sources(model: &Model, options: &SourceOptions) -> Result<SourceReport, CompileError> {
-    let compiling = CompileOptions { untagged: options.untagged, ..CompileOptions::default() };
-    let scene = Arc::new(compile(model, &compiling)?.scene());
-    let whole = compile(model, &CompileOptions { cells: false, ..compiling })?.scene();
-    let roles = roles(model, options.untagged);
+    let scene = compile(model, &options.compiling)?.scene();
+    let whole = compile(model, &CompileOptions { cells: false, ..options.compiling.clone() })?.scene();
+    let roles = roles(model, options.compiling.untagged);
     let truth = Truth::new(
         model,
         |element| roles[element.0 as usize],

@@ -3,6 +3,7 @@
 
 mod bench;
 mod bench_cells;
+mod bench_model;
 mod bench_robust;
 mod bench_skip;
 mod bench_sources;

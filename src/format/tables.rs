@@ -289,7 +289,7 @@ impl Views {
     }
 
     /// How many bytes the sections of the map have.
-    #[cfg(feature = "compile")]
+    #[cfg(all(feature = "compile", feature = "render"))]
     pub(crate) fn map_bytes(&self) -> u64 {
         self.map_unchecked.iter().map(|entry| entry.len).sum()
     }

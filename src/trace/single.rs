@@ -270,13 +270,13 @@ impl Scene {
     }
 
     /// The answer without the quick way.
-    #[cfg(feature = "compile")]
+    #[cfg(all(feature = "compile", any(test, feature = "render")))]
     pub(crate) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
         self.answer(start, ray, want, &mut Plain { kernel: self.kernel, ask: Ask::First })
     }
 
     /// The same, with what it took.
-    #[cfg(feature = "compile")]
+    #[cfg(all(feature = "compile", feature = "render"))]
     pub(crate) fn careful_cost(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
         let hit = self.answer(start, ray, want, &mut cost);

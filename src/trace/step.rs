@@ -83,7 +83,7 @@ impl Step {
     }
 
     /// Makes what asks take a level floor and ceiling for sloped ones: the answers are the same.
-    #[cfg(feature = "compile")]
+    #[cfg(all(feature = "compile", feature = "render"))]
     pub(crate) fn forget_that_it_is_level(&mut self) {
         if self.kind == Step::LEVEL {
             self.kind = Step::SLOPED;

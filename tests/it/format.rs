@@ -403,7 +403,9 @@ fn damaged_maps_are_refused_or_validated() {
         enf::seal(&mut file);
         let start = Instant::now();
         // What rays need of the file is whole.
-        match Scene::from_bytes(&file).unwrap().building() {
+        let scene = Scene::from_bytes(&file).unwrap();
+        assert_eq!(scene.check_map().is_err(), scene.building().is_err());
+        match scene.building() {
             Err(_) => refused += 1,
             Ok(building) => {
                 let (valid, report) = validate(building.unwrap());

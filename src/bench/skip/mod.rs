@@ -10,10 +10,9 @@ mod table;
 mod tests;
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Instant;
 
-use enfilade_importers::{Model, Untagged};
+use enfilade_importers::Model;
 use serde::Serialize;
 
 use super::speed::{machine, median, random_rays};
@@ -33,13 +32,13 @@ pub struct SkipOptions {
     pub repeat: u32,
     /// Seed of the rays.
     pub seed: u64,
-    /// As the model was compiled.
-    pub untagged: Untagged,
+    /// How the model is compiled; its map is kept, whatever this says.
+    pub compiling: CompileOptions,
 }
 
 impl Default for SkipOptions {
     fn default() -> SkipOptions {
-        SkipOptions { rays: 1 << 16, repeat: 7, seed: 1, untagged: Untagged::default() }
+        SkipOptions { rays: 1 << 16, repeat: 7, seed: 1, compiling: CompileOptions::default() }
     }
 }
 
@@ -136,11 +135,10 @@ pub enum SkipError {
 /// # Errors
 /// [`SkipError`].
 pub fn skip(model: &Model, options: &SkipOptions) -> Result<SkipReport, SkipError> {
-    let compiling =
-        CompileOptions { untagged: options.untagged, topology: true, ..CompileOptions::default() };
+    let compiling = CompileOptions { topology: true, ..options.compiling.clone() };
     let compiled = compile(model, &compiling)?;
     let files = files(&compiled.bytes, options)?;
-    let scene = Arc::new(compiled.scene());
+    let scene = compiled.scene();
     let whole = compile(model, &CompileOptions { cells: false, topology: false, ..compiling })?.scene();
     let rays = random_rays(&scene, options.rays, options.seed);
     let rays: Vec<Started> =
