@@ -48,7 +48,10 @@ fn free_place([x, y]: [f64; 2], taken: &mut Vec<[f64; 2]>) -> [f64; 2] {
         let out = 1.0 + ring as f64;
         around.map(|[dx, dy]| [x + dx * out, y + dy * out])
     });
-    let is_free = |p: &[f64; 2]| taken.iter().all(|q| (0..2).any(|i| (p[i] - q[i]).abs() >= SIZE[i]));
+    let is_free = |p: &[f64; 2]| {
+        (FRAME[0][1]..FRAME[1][1]).contains(&p[1])
+            && taken.iter().all(|q| (0..2).any(|i| (p[i] - q[i]).abs() >= SIZE[i]))
+    };
     let place = rings.into_iter().find(is_free).unwrap_or([x, y]);
     taken.push(place);
     place
