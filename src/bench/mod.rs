@@ -8,6 +8,7 @@ mod robust;
 mod skip;
 mod sources;
 mod speed;
+mod table;
 mod tracers;
 mod way;
 

@@ -4,7 +4,6 @@
 //! them is exact arithmetic on the model's triangles ([`Truth::first`]).
 
 use std::collections::HashSet;
-use std::fmt::Write;
 
 use enfilade_importers::Model;
 use glam::DVec3;
@@ -12,6 +11,7 @@ use serde::Serialize;
 
 use super::error::{Spread, Sum, shade_of};
 use super::speed::random_rays;
+use super::table::{aligned, markdown};
 use crate::compile::{CompileError, CompileOptions, compile};
 use crate::format::records::{CellRecord, PLAIN};
 use crate::graph::{At, parts};
@@ -387,45 +387,26 @@ impl SourceReport {
         )
     }
 
-    fn lines(&self) -> Vec<[String; 7]> {
-        let names =
-            ["source", "experiment", "rays", "otherwise", "largest", "mean", "rms"].map(str::to_owned);
+    fn lines(&self) -> Vec<Vec<String>> {
+        let names = ["source", "experiment", "rays", "otherwise", "largest", "mean", "rms"];
         let line = |row: &SourceRow| {
             let [largest, mean, rms] =
                 [row.errors.largest, row.errors.mean, row.errors.rms].map(|error| format!("{error:.1e}"));
             let differing = row.differing.map_or("-".to_owned(), |count| count.to_string());
             let count = row.count.to_string();
-            [row.source.to_owned(), row.experiment.to_owned(), count, differing, largest, mean, rms]
+            vec![row.source.to_owned(), row.experiment.to_owned(), count, differing, largest, mean, rms]
         };
-        [names].into_iter().chain(self.rows.iter().map(line)).collect()
+        [names.map(str::to_owned).to_vec()].into_iter().chain(self.rows.iter().map(line)).collect()
     }
 
     /// As aligned text.
     pub fn text(&self) -> String {
-        let lines = self.lines();
-        let width = |column: usize| lines.iter().map(|line| line[column].len()).max().unwrap_or(0);
-        let mut out = self.head() + "\n";
-        for [source, experiment, others @ ..] in &lines {
-            // Writing to a String cannot fail.
-            let _ = write!(out, "{source:<0$}  {experiment:<1$}", width(0), width(1));
-            for (text, column) in others.iter().zip(2..) {
-                let _ = write!(out, "  {text:>0$}", width(column));
-            }
-            out.push('\n');
-        }
-        out
+        self.head() + "\n" + &aligned(&self.lines(), 2)
     }
 
     /// As a table in Markdown.
     pub fn markdown(&self) -> String {
-        let mut out = self.head() + "\n\n";
-        for (number, line) in self.lines().iter().enumerate() {
-            let _ = writeln!(out, "| {} |", line.join(" | "));
-            if number == 0 {
-                out.push_str("|---|---|---:|---:|---:|---:|---:|\n");
-            }
-        }
-        out
+        self.head() + "\n\n" + &markdown(&self.lines(), 2)
     }
 }
 

@@ -1,7 +1,6 @@
 //! A report as text, and as Markdown.
 
-use std::fmt::Write;
-
+use super::super::table::{aligned, markdown};
 use super::{ErrorReport, ErrorRow};
 
 /// A column: its name, and what a row has there.
@@ -56,44 +55,14 @@ impl ErrorReport {
 
     /// As aligned text: time beside what is wrong, then how far right answers are off.
     pub fn text(&self) -> String {
-        let mut out = self.head();
-        for (number, columns) in [ANSWERS, SIZES].into_iter().enumerate() {
-            out.push_str(if number == 0 { "\n" } else { "\n\n" });
-            let lines: Vec<Vec<String>> = self.lines(columns);
-            let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max();
-            let widths: Vec<usize> =
-                (0..columns.len()).map(|column| width(column).unwrap_or_default()).collect();
-            for (i, line) in lines.iter().enumerate() {
-                out.push_str(if i == 0 { "" } else { "\n" });
-                for (column, (text, width)) in line.iter().zip(&widths).enumerate() {
-                    // Writing to a String cannot fail.
-                    let _ = match column {
-                        0 => write!(out, "{text:<width$}"),
-                        _ => write!(out, "  {text:>width$}"),
-                    };
-                }
-            }
-        }
-        out.push('\n');
-        out
+        let [answers, sizes] = [ANSWERS, SIZES].map(|columns| aligned(&self.lines(columns), 1));
+        format!("{}\n{answers}\n{sizes}", self.head())
     }
 
     /// As two tables of Markdown.
     pub fn markdown(&self) -> String {
-        let mut out = self.head() + ".\n";
-        for columns in [ANSWERS, SIZES] {
-            for (i, line) in self.lines(columns).iter().enumerate() {
-                out.push_str(if i == 0 { "\n| " } else { "| " });
-                out.push_str(&line.join(" | "));
-                out.push_str(" |\n");
-                if i == 0 {
-                    out.push_str("|---");
-                    out.push_str(&"|---:".repeat(columns.len() - 1));
-                    out.push_str("|\n");
-                }
-            }
-        }
-        out
+        let [answers, sizes] = [ANSWERS, SIZES].map(|columns| markdown(&self.lines(columns), 1));
+        format!("{}.\n\n{answers}\n{sizes}", self.head())
     }
 
     /// The names of columns, then what each row has there.

@@ -1,7 +1,6 @@
 //! A report as text, and as Markdown.
 
-use std::fmt::Write;
-
+use super::super::table::{aligned, markdown};
 use super::{RobustReport, RobustRow};
 
 /// A column: its name, and what a row has there, beside the row of the building as it was drawn.
@@ -54,32 +53,11 @@ impl RobustReport {
 
     /// As aligned text.
     pub fn text(&self) -> String {
-        let cells = self.cells();
-        let widths: Vec<usize> = (0..COLUMNS.len())
-            .map(|column| cells.iter().map(|line| line[column].len()).max().unwrap_or(0))
-            .collect();
-        let mut out = self.head() + "\n";
-        for line in cells {
-            let (first, others) = line.split_at(1);
-            // Writing to a String cannot fail.
-            let _ = write!(out, "{:<width$}", first[0], width = widths[0]);
-            for (text, width) in others.iter().zip(&widths[1..]) {
-                let _ = write!(out, "  {text:>width$}");
-            }
-            out.push('\n');
-        }
-        out
+        self.head() + "\n" + &aligned(&self.cells(), 1)
     }
 
     /// As a table in Markdown.
     pub fn markdown(&self) -> String {
-        let mut out = self.head() + "\n\n";
-        for (number, line) in self.cells().into_iter().enumerate() {
-            let _ = writeln!(out, "| {} |", line.join(" | "));
-            if number == 0 {
-                let _ = writeln!(out, "|---|{}", "---:|".repeat(COLUMNS.len() - 1));
-            }
-        }
-        out
+        self.head() + "\n\n" + &markdown(&self.cells(), 1)
     }
 }

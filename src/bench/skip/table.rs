@@ -1,7 +1,6 @@
 //! A report as text, and as Markdown.
 
-use std::fmt::Write;
-
+use super::super::table::{aligned, markdown};
 use super::{SkipReport, SkipRow, Steps, Work};
 
 /// The names of the columns of rays.
@@ -67,40 +66,13 @@ impl SkipReport {
 
     /// As aligned text.
     pub fn text(&self) -> String {
-        let mut out = self.head() + "\n";
-        for table in self.tables() {
-            out.push('\n');
-            let widths: Vec<usize> = (0..table[0].len())
-                .map(|column| table.iter().map(|line| line[column].len()).max().unwrap_or(0))
-                .collect();
-            for line in table {
-                for (column, (text, width)) in line.iter().zip(&widths).enumerate() {
-                    // Writing to a String cannot fail.
-                    let _ = if column < 2 {
-                        write!(out, "{text:<width$}  ")
-                    } else {
-                        write!(out, "{text:>width$}  ")
-                    };
-                }
-                out.truncate(out.trim_end().len());
-                out.push('\n');
-            }
-        }
-        out
+        let [rays, files] = self.tables().map(|table| aligned(&table, 2));
+        format!("{}\n\n{rays}\n{files}", self.head())
     }
 
     /// As tables in Markdown.
     pub fn markdown(&self) -> String {
-        let mut out = self.head() + "\n";
-        for table in self.tables() {
-            out.push('\n');
-            for (number, line) in table.iter().enumerate() {
-                let _ = writeln!(out, "| {} |", line.join(" | "));
-                if number == 0 {
-                    let _ = writeln!(out, "|---|---|{}", "---:|".repeat(line.len() - 2));
-                }
-            }
-        }
-        out
+        let [rays, files] = self.tables().map(|table| markdown(&table, 2));
+        format!("{}\n\n{rays}\n{files}", self.head())
     }
 }
