@@ -18,6 +18,7 @@ mod kernel;
 mod lanes;
 mod locate;
 mod meet;
+mod onward;
 mod packet;
 mod path;
 mod plan;

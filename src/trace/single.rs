@@ -19,11 +19,8 @@ use crate::scene::Scene;
 /// that it starts on.
 const ON_PLANE: f64 = 1e-11;
 
-/// A restarted ray that leaves a solid for the air may be so deep, metres per metre of coordinate, in another that meets the surface there.
-const DEEP: f64 = 1e-7;
-
-/// And so many times the tolerance at most.
-const DEEPEST: f64 = 1e-3;
+/// What a hit is off by, metres for each metre to it: of one far off more than its coordinates tell.
+const OFF: f64 = 1e-14;
 
 /// From where a ray starts, if the caller knows: then nothing is looked up.
 #[derive(Clone, Copy, Debug)]
@@ -288,7 +285,7 @@ impl Scene {
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
-        let surface = surface(tables, start, &line);
+        let surface = surface(start, &line);
         let onward = self.in_front(surface.as_ref(), &line);
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
         ended.found.t = ended.found.t.max(line.tmin);
@@ -320,25 +317,6 @@ impl Scene {
             return Hit::in_solid(element, tables.elements[element as usize].semantic);
         }
         if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
-    }
-
-    /// The ray with its origin in front of the surface from which it goes on, where rounding has put it behind that: almost along the surface it
-    /// would come out of it only much farther on.
-    fn in_front(&self, surface: Option<&Surface>, line: &Line) -> Line {
-        let mut line = *line;
-        if let Some(surface) = surface
-            && let Some(&corners) = self.tables.triangles.get(surface.triangle as usize)
-        {
-            let corner = DVec3::from(self.tables.vertices[corners[0] as usize]);
-            let behind = (corner - line.origin).dot(surface.normal);
-            let is_away = line.direction.dot(surface.normal) > 0.0;
-            // Deeper than a solid may be that it enters there: nothing is looked for behind it.
-            let most = deep(&line, 0.1 * self.tolerance()).max(surface.near);
-            if is_away && behind > 0.0 && behind <= most {
-                line.origin += surface.normal * behind;
-            }
-        }
-        line
     }
 
     /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.
@@ -412,7 +390,7 @@ impl Scene {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
         let (surface, probe) =
-            (surface(&self.tables, start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
+            (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
         let line = self.in_front(surface.as_ref(), &line);
         let ended = nearest(&self.tables, &line, surface.as_ref(), start.hint(), probe);
         ended.found.triangle != NONE
@@ -558,22 +536,14 @@ impl Line {
 
 /// What a restarted ray starts on.
 #[inline]
-fn surface(tables: &Views, start: Start<'_>, line: &Line) -> Option<Surface> {
+fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
     let Start::Hit(hit) = start else { return None };
-    let mut surface = surface_of(hit, line.origin, line.tmin);
-    if Walk::new(tables).is_way_out(hit.triangle, line.direction) {
-        surface.deep = surface.near.max(deep(line, DEEPEST * tables.scene[0].tolerance));
-    }
-    Some(surface)
+    Some(surface_of(hit, line.origin, line.tmin))
 }
 
-/// How deep a ray may have been put into matter by rounding, metres, at most `most`.
-fn deep(line: &Line, most: f64) -> f64 {
-    (DEEP * (1.0 + line.origin.abs().max_element())).min(most)
-}
-
+/// The same of a ray from its hit.
 #[inline]
 pub(super) fn surface_of(hit: &Hit, origin: DVec3, tmin: f64) -> Surface {
-    let near = ON_PLANE * (1.0 + origin.abs().max_element());
-    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, deep: near, tmin }
+    let near = (ON_PLANE * (1.0 + origin.abs().max_element())).max(OFF * hit.t);
+    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin }
 }

@@ -119,9 +119,6 @@ pub(super) struct Surface {
     pub(super) normal: DVec3,
     /// How far, metres, the ray's origin may be off this surface and those that meet it there, by rounding.
     pub(super) near: f64,
-    /// No deeper, metres, the origin may be in a solid that meets the surface there: what its ray came by may have been met as far aside. Of a ray
-    /// that is not known to be in the air no more than [`Surface::near`].
-    pub(super) deep: f64,
     /// Hits before this do not count, save on solids that the ray enters where it starts.
     pub(super) tmin: f64,
 }
@@ -130,14 +127,11 @@ pub(super) struct Surface {
 /// almost in it.
 const BEHIND: f64 = 1e4;
 
-/// The same for [`Surface::deep`].
-const BEHIND_DEEP: f64 = 64.0;
-
 impl Surface {
     /// How far, metres, behind the ray's origin anything is looked for.
     #[inline(always)]
     pub(super) fn behind(&self) -> f64 {
-        (BEHIND * self.near).max(BEHIND_DEEP * self.deep)
+        BEHIND * self.near
     }
 }
 
@@ -324,15 +318,11 @@ impl<'s> Query<'s> {
         let normal = (b - a).cross(c - a);
         let (size, outward) = (normal.length(), normal.dot(self.direction));
         let depth = (t * outward).abs();
-        if depth > surface.deep * size {
+        if depth > surface.near * size {
             return t >= surface.tmin;
         }
         let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
         let volume = walk.volume_of(index);
-        let is_there = depth <= surface.near * size;
-        if is_in_plane && !is_there && t >= 0.0 {
-            return t >= surface.tmin;
-        }
         if is_in_plane
             && (volume == walk.volume_of(surface.triangle) || !walk.looks_against(surface.triangle, normal))
         {
@@ -343,8 +333,8 @@ impl<'s> Query<'s> {
             Some(volume)
                 if volume.role == enfilade_importers::Role::Solid as u32 && volume.by_winding == 1 =>
             {
-                // What it leaves farther on it was in by so little only.
-                outward < 0.0 && (is_there || t < 0.0 || t >= surface.tmin)
+                // What it leaves it was in by so little only.
+                outward < 0.0
             }
             _ => t >= surface.tmin && !is_in_plane,
         }

@@ -1,0 +1,96 @@
+//! Where a ray goes on from a surface: its origin, which rounding may have put behind that surface, or into another solid beside it.
+
+use glam::DVec3;
+
+use super::NONE;
+use super::begin::ASIDE;
+use super::cells::among_all;
+use super::kernel::{Ask, Plain};
+use super::single::Line;
+use super::walk::{Surface, Walk};
+use crate::scene::Scene;
+
+/// What a ray came to is off by so much, metres for each metre of coordinate, where it came along it almost.
+const DEEP: f64 = 1e-7;
+
+/// What a face that counts as planar is off its plane by, metres, at most.
+const UNEVEN: f64 = 2e-6;
+
+/// No farther than so many times the tolerance is an origin moved.
+const MOST: f64 = 0.1;
+
+/// Solids out of which an origin is moved: in a corner three planes meet.
+const MOST_SOLIDS: usize = 4;
+
+/// Cosine of the angle between the normals of two faces, more than which no corner between them is so sharp.
+const OPPOSITE: f64 = -0.99;
+
+/// Surfaces of other elements that are passed on the way out of a solid.
+const MOST_PASSED: usize = 8;
+
+impl Scene {
+    /// The ray with its origin in the air to which it goes on, where rounding has put it behind the surface from which it goes, or into a solid that
+    /// meets the surface there: almost along that it would come out of it only much farther on.
+    pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> Line {
+        let Some(surface) = surface else { return *line };
+        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else { return *line };
+        if line.direction.dot(surface.normal) <= 0.0 {
+            // Through it: that may be into a solid.
+            return *line;
+        }
+        let reach = (DEEP * (1.0 + line.origin.abs().max_element())).max(UNEVEN);
+        let most = reach.min(MOST * self.tolerance()).max(surface.near);
+        let mut line = *line;
+        let corner = DVec3::from(self.tables.vertices[corners[0] as usize]);
+        for _ in 0..MOST_SOLIDS {
+            let behind = (corner - line.origin).dot(surface.normal);
+            if behind > 0.0 && behind <= most {
+                line.origin += surface.normal * behind;
+            }
+            let may_be_in = line.tmin <= most && self.may_be_in_solid(line.origin.to_array(), 0.0);
+            let solid = may_be_in.then(|| self.solid_at(line.origin.to_array())).flatten();
+            let Some(way) = solid.and_then(|solid| self.way_out(&line, surface, solid, most)) else { break };
+            line.origin += way;
+        }
+        line
+    }
+
+    /// The shortest way out of a solid across one of its faces, if that is no farther than `most`, and not behind the surface from which the ray goes
+    /// on.
+    #[cold]
+    fn way_out(&self, line: &Line, surface: &Surface, solid: u32, most: f64) -> Option<DVec3> {
+        let (tables, walk) = (&self.tables, Walk::new(&self.tables));
+        let mut probe = Plain { kernel: self.kernel, ask: Ask::First };
+        let normal_of = |triangle: u32| {
+            let [a, b, c] = walk.corners(triangle);
+            (b - a).cross(c - a).normalize_or_zero()
+        };
+        let is_wanted = |triangle: u32| {
+            tables.record(triangle).element == solid && normal_of(triangle).dot(surface.normal) > OPPOSITE
+        };
+        let ways = ASIDE.iter().flat_map(|&way| [way, -way]).filter_map(|way| {
+            // No plane is along all of these.
+            let mut probing =
+                Line { direction: way.normalize(), tmin: 0.0, tmax: 4.0 * most, start: 0.0, ..*line };
+            let mut found = among_all(tables, &probing, None, &mut probe).found;
+            for _ in 0..MOST_PASSED {
+                if found.triangle == NONE || is_wanted(found.triangle) {
+                    break;
+                }
+                // What stands against the solid, or the face behind.
+                probing.tmin = found.t.next_up();
+                found = among_all(tables, &probing, None, &mut probe).found;
+            }
+            if found.triangle == NONE || !is_wanted(found.triangle) {
+                return None;
+            }
+            let normal = normal_of(found.triangle);
+            let out = normal.dot(walk.corners(found.triangle)[0] - line.origin);
+            let is_out = walk.is_way_out(found.triangle, normal) && out >= 0.0 && out <= most;
+            is_out.then_some((out, normal))
+        });
+        let (out, normal) = ways.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
+        // Past what rounding makes of it.
+        Some(normal * (out + 4.0 * f64::EPSILON * line.origin.abs().max_element()))
+    }
+}
