@@ -94,7 +94,7 @@ impl Stage<'_> {
         let mut found = Found::default();
         let hits: Vec<Hit> =
             rays.iter().map(|ray| self.judge.scene.trace_from(Start::Anywhere, ray, Want::LEAST)).collect();
-        for (number, unlike) in self.unlike(&rays, &hits) {
+        for (number, unlike) in self.unlike(&rays, &hits, first) {
             found.counts.unlike += 1;
             let what = format!("{unlike} says something else than a single ray");
             found.cases.push(self.case(family, first + number as u64, rays.get(number), &what));
@@ -155,8 +155,8 @@ impl Stage<'_> {
         hit.element == from.element && hit.t < self.judge.truth.tolerance() && is_same
     }
 
-    /// Rays that another way answers otherwise, and which way.
-    fn unlike(&self, rays: &[Ray], hits: &[Hit]) -> Vec<(usize, &'static str)> {
+    /// Rays that another way answers otherwise, and which way; `first` is the index of the first of them.
+    fn unlike(&self, rays: &[Ray], hits: &[Hit], first: u64) -> Vec<(usize, &'static str)> {
         let mut unlike = Vec::new();
         let scene = self.judge.scene;
         for kernel in Kernel::available() {
@@ -191,7 +191,7 @@ impl Stage<'_> {
                 ray.tmin == 0.0 && ray.tmax == f64::INFINITY
             })
             .filter_map(|(number, (ray, hit))| {
-                let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, number as u64)?;
+                let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, first + number as u64)?;
                 Some((number, Ray { tmax, ..*ray }, is_occluded))
             })
             .collect();

@@ -51,9 +51,14 @@ fn what_is_refused_fails() {
     assert!(!report.unwrap().passed(), "nothing was sent");
 }
 
-/// Calls `with` with a stage of a trial.
+/// Calls `with` with a stage of a trial and the first seed.
 fn staged<T>(name: &str, family: Family, with: impl FnOnce(&Stage<'_>, &Scene) -> T) -> T {
-    let trial = trials(false, 1).into_iter().find(|trial| trial.name == name).unwrap();
+    staged_with(1, name, family, with)
+}
+
+/// The same with a seed of choice.
+fn staged_with<T>(seed: u64, name: &str, family: Family, with: impl FnOnce(&Stage<'_>, &Scene) -> T) -> T {
+    let trial = trials(false, seed).into_iter().find(|trial| trial.name == name).unwrap();
     let model = trial.model().unwrap();
     let options = CompileOptions { tolerance: trial.tolerance, ..CompileOptions::default() };
     let scene = compile(&model, &options).unwrap().scene();
@@ -63,7 +68,7 @@ fn staged<T>(name: &str, family: Family, with: impl FnOnce(&Stage<'_>, &Scene) -
     let stage = Stage {
         trial: &trial.name,
         judge: Judge { scene: &scene, truth: &truth },
-        source: Source::new(&scene, &truth, trial.inside, 1),
+        source: Source::new(&scene, &truth, trial.inside, seed),
         is_closed: trial.inside.is_some() && family.starts_anywhere(),
         most: 3,
     };
@@ -117,7 +122,13 @@ fn limits_are_granted_at_what_is_met_and_no_farther() {
 /// Sends one ray, which was answered badly once.
 #[track_caller]
 fn once(trial: &str, family: Family, index: u64) {
-    staged(trial, family, |stage, _| {
+    seeded(1, trial, family, index);
+}
+
+/// The same with a seed of choice.
+#[track_caller]
+fn seeded(seed: u64, trial: &str, family: Family, index: u64) {
+    staged_with(seed, trial, family, |stage, _| {
         let found = stage.block(family, index..index + 1);
         assert!(found.counts.bad() == 0 && found.counts.rays == 1, "{:?}", found.cases);
     });
@@ -163,4 +174,86 @@ fn a_mirrored_ray_ran_on_inside_the_surface() {
 fn a_needle_is_right_by_rational_witnesses() {
     once("needles", Family::Vertices, 20);
     once("needles", Family::Vertices, 40);
+}
+
+#[test]
+fn a_ray_from_a_corner_that_rounding_put_into_a_wall_went_through_it() {
+    seeded(3, "scaled-1e1", Family::AlongEdges, 228);
+    seeded(3, "scaled-1e3", Family::AlongEdges, 288);
+    seeded(2, "scaled-1e-3", Family::AlongEdges, 56);
+}
+
+#[test]
+fn a_ray_from_a_wall_ran_on_inside_the_floor() {
+    seeded(3, "scaled-1e1", Family::Grazing, 708);
+    seeded(4, "scaled-1e3", Family::Grazing, 3844);
+}
+
+#[test]
+fn a_ray_from_a_board_met_the_back_of_one_that_stands_out_less() {
+    seeded(3, "near-coplanar", Family::Edges, 844);
+    seeded(3, "near-coplanar", Family::Zeros, 1320);
+}
+
+#[test]
+fn a_ray_from_a_face_that_is_planar_to_nanometres_met_its_other_triangle_from_behind() {
+    seeded(3, "house-cad", Family::AlongEdges, 2656);
+}
+
+#[test]
+fn a_ray_from_far_met_the_corner_again_that_it_went_on_from() {
+    seeded(3, "scaled-1e6", Family::Limits, 1972);
+}
+
+#[test]
+fn a_ray_that_begins_on_the_bottom_of_the_lowest_solid_went_through_it() {
+    seeded(2, "turned-1", Family::Limits, 926);
+    seeded(4, "scaled-1e1", Family::Limits, 4889);
+}
+
+#[test]
+fn a_ray_from_a_crack_between_a_damaged_wall_and_a_slab_went_through_the_slab() {
+    seeded(5, "house-damaged", Family::AlongEdges, 3872);
+    seeded(5, "house-damaged", Family::Borders, 864);
+    seeded(5, "house-damaged", Family::Borders, 3592);
+}
+
+/// Its face leans, so that the cell's is centimetres farther along so flat a ray, in another cell.
+#[test]
+fn a_segment_ended_before_the_cell_behind_whose_face_it_met_something() {
+    staged("near-vertical", Family::Anywhere, |_, scene| {
+        let origin = [2.943033026946771, 1.8247066231022901, 1.710761157283652];
+        let direction = [-0.0050263931479914686, -0.965032218098322, 0.2620831040035862];
+        let Answer::Hit(hit) = scene.trace(&Ray::new(origin, direction)) else { panic!() };
+        for further in [1e-6, 1e-4, 2e-3, 1e-2] {
+            let segment = Ray::segment(origin, direction, 0.0, hit.t + further);
+            assert!(scene.occluded(&segment), "{further}");
+            assert!(matches!(scene.trace(&segment), Answer::Hit(met) if met.t == hit.t), "{further}");
+        }
+        assert!(!scene.occluded(&Ray::segment(origin, direction, 0.0, hit.t - 1e-6)));
+    });
+}
+
+/// Also where the grid over solids ends, or another of its cubes begins.
+#[test]
+fn what_may_be_in_a_solid_is_never_denied() {
+    for name in ["turned-1", "scaled-1e1", "house-cad"] {
+        staged_with(2, name, Family::Anywhere, |stage, scene| {
+            let margin = 1e-6 * stage.judge.truth.tolerance();
+            let mut held = 0;
+            let is_solid = |role: u32| role == enfilade_importers::Role::Solid as u32;
+            for volume in scene.tables.volumes.iter().filter(|volume| is_solid(volume.role)) {
+                for triangle in volume.first_triangle..volume.first_triangle + volume.triangle_count {
+                    let [a, b, c] = scene.triangle(triangle).map(glam::DVec3::from);
+                    let normal = (b - a).cross(c - a).normalize_or_zero();
+                    for side in [-0.5, 0.5] {
+                        let point = (a + b + c) / 3.0 + normal * (side * margin);
+                        assert!(scene.may_be_in_solid(point.to_array(), margin), "{name}: {point:?}");
+                        held += 1;
+                    }
+                }
+            }
+            assert!(held > 1000, "{name}: {held}");
+        });
+    }
 }

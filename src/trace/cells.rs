@@ -18,7 +18,7 @@
 use super::NONE;
 use super::kernel::Probe;
 use super::meet::Surfaces;
-use super::path::{BLURRED, Exit, NEAR, Path, Prisms};
+use super::path::{BEYOND, BLURRED, Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
@@ -161,7 +161,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
                 _ => return Err(UNSURE),
             };
             // Where cells say that the ray is too far, the triangles may say that it is not yet.
-            if exit.t > self.limit + self.surfaces.tolerance {
+            if exit.t > self.limit + BEYOND * self.surfaces.tolerance {
                 return Ok(Ended { found: nothing, cell, in_matter: false });
             }
             cell = exit.cell;

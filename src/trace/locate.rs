@@ -12,7 +12,7 @@ use super::NONE;
 use super::begin::aside;
 use super::free::local;
 use super::path::Prisms;
-use crate::format::records::{CellRecord, VolumeRecord};
+use crate::format::records::{CellRecord, SceneRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
 
@@ -162,10 +162,47 @@ impl Scene {
 
 /// As [`Scene::may_be_in_solid`].
 pub(super) fn may_be_in_solid(tables: &Views, point: [f64; 3], margin: f64) -> bool {
-    located(tables, point).iter().any(|item| {
+    let is_in = |item: &u32| {
         let volume = &tables.volumes[(item & !WHOLE_BIT) as usize];
         volume.role == Role::Solid as u32 && (item & WHOLE_BIT != 0 || in_box(volume, point, margin))
+    };
+    // All cubes that a point within the margin may lie in: at the border of the grid that may be none of the point's own.
+    let Some([xs, ys, zs]) = cubes_near(&tables.scene[0], point, margin) else { return false };
+    if [&xs, &ys, &zs].iter().any(|cubes| cubes.end() - cubes.start() > MOST_CUBES) {
+        return true;
+    }
+    let [width, depth, _] = tables.scene[0].locator_dims.map(u64::from);
+    zs.into_iter().any(|z| {
+        let mut rows = ys.clone().into_iter();
+        rows.any(|y| {
+            let mut cubes = xs.clone().into_iter();
+            cubes.any(|x| located_in(tables, (z * depth + y) * width + x).iter().any(is_in))
+        })
     })
+}
+
+/// Beside the first along an axis no more cubes are looked at: a margin as wide comes with points far away only.
+const MOST_CUBES: u64 = 4;
+
+/// Along each axis the cubes of the grid no farther than `margin` from a point; `None` if there are none.
+#[inline]
+fn cubes_near(
+    scene: &SceneRecord,
+    point: [f64; 3],
+    margin: f64,
+) -> Option<[std::ops::RangeInclusive<u64>; 3]> {
+    let mut near = [const { 0..=0 }; 3];
+    for axis in 0..3 {
+        let most = f64::from(scene.locator_dims[axis]);
+        let cube = |at: f64| (at - scene.locator_origin[axis]) / scene.locator_step;
+        let (first, last) = (cube(point[axis] - margin), cube(point[axis] + margin));
+        // Written so that a NaN is in none.
+        if !(last >= 0.0 && first < most) {
+            return None;
+        }
+        near[axis] = first.max(0.0) as u64..=last.min(most - 1.0).max(0.0) as u64;
+    }
+    Some(near)
 }
 
 fn smallest(scene: &Scene, point: [f64; 3], role: Role) -> Option<&VolumeRecord> {
@@ -200,7 +237,13 @@ fn located(tables: &Views, point: [f64; 3]) -> &[u32] {
         }
         index = index * u64::from(scene.locator_dims[axis]) + cube as u64;
     }
-    let (start, end) = (tables.locator[index as usize], tables.locator[index as usize + 1]);
+    located_in(tables, index)
+}
+
+/// The volumes that may hold a point of a cube of the grid.
+#[inline]
+fn located_in(tables: &Views, cube: u64) -> &[u32] {
+    let (start, end) = (tables.locator[cube as usize], tables.locator[cube as usize + 1]);
     &tables.located[start as usize..end as usize]
 }
 

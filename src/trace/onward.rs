@@ -7,7 +7,7 @@ use super::begin::ASIDE;
 use super::cells::among_all;
 use super::kernel::{Ask, Plain};
 use super::single::Line;
-use super::walk::{Surface, Walk};
+use super::walk::{ROUNDING, Surface, Walk};
 use crate::scene::Scene;
 
 /// What a ray came to is off by so much, metres for each metre of coordinate, where it came along it almost.
@@ -22,7 +22,7 @@ const MOST: f64 = 0.1;
 /// Solids out of which an origin is moved: in a corner three planes meet.
 const MOST_SOLIDS: usize = 4;
 
-/// Cosine of the angle between the normals of two faces, more than which no corner between them is so sharp.
+/// Cosine of the angle between the normals of two faces, less than which they are the two sides of a wall, and not a sharp corner.
 const OPPOSITE: f64 = -0.99;
 
 /// Surfaces of other elements that are passed on the way out of a solid.
@@ -61,12 +61,15 @@ impl Scene {
     fn way_out(&self, line: &Line, surface: &Surface, solid: u32, most: f64) -> Option<DVec3> {
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         let mut probe = Plain { kernel: self.kernel, ask: Ask::First };
-        let normal_of = |triangle: u32| {
+        // Out across a triangle's plane, whichever way it was wound: the unit normal, and how far.
+        let out_across = |triangle: u32| {
             let [a, b, c] = walk.corners(triangle);
-            (b - a).cross(c - a).normalize_or_zero()
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let out = normal.dot(a - line.origin);
+            (out.abs(), if out < 0.0 { -normal } else { normal })
         };
         let is_wanted = |triangle: u32| {
-            tables.record(triangle).element == solid && normal_of(triangle).dot(surface.normal) > OPPOSITE
+            tables.record(triangle).element == solid && out_across(triangle).1.dot(surface.normal) > OPPOSITE
         };
         let ways = ASIDE.iter().flat_map(|&way| [way, -way]).filter_map(|way| {
             // No plane is along all of these.
@@ -84,13 +87,12 @@ impl Scene {
             if found.triangle == NONE || !is_wanted(found.triangle) {
                 return None;
             }
-            let normal = normal_of(found.triangle);
-            let out = normal.dot(walk.corners(found.triangle)[0] - line.origin);
-            let is_out = walk.is_way_out(found.triangle, normal) && out >= 0.0 && out <= most;
-            is_out.then_some((out, normal))
+            let (out, normal) = out_across(found.triangle);
+            (out <= most && normal != DVec3::ZERO).then_some((out, normal))
         });
         let (out, normal) = ways.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
-        // Past what rounding makes of it.
-        Some(normal * (out + 4.0 * f64::EPSILON * line.origin.abs().max_element()))
+        // Farther from the face than what its edges are met beside.
+        let [lo, hi] = tables.scene[0].hull.map(|corner| DVec3::from(corner).abs().max_element());
+        Some(normal * (out + 2.0 * ROUNDING * (line.origin.abs().max_element() + lo.max(hi))))
     }
 }

@@ -8,6 +8,10 @@ use super::plan::PlanLine;
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord};
 
+/// A ray that ends is followed so many times the tolerance farther than that: what it meets before may stand behind a face of a cell that it comes to
+/// only there, if it comes to the face at no less of an angle than one by this.
+pub(super) const BEYOND: f64 = 64.0;
+
 /// A point no farther than this outside of a prism counts as in it, metres: what rounding can move it.
 pub(super) const NEAR: f64 = 1e-9;
 

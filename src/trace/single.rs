@@ -389,8 +389,7 @@ impl Scene {
         if is_anywhere && self.may_start_in_solid(&line) {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let (surface, probe) =
-            (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
+        let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
         let line = self.in_front(surface.as_ref(), &line);
         let ended = nearest(&self.tables, &line, surface.as_ref(), start.hint(), probe);
         ended.found.triangle != NONE

@@ -56,16 +56,6 @@ impl<'a> Walk<'a> {
         each(self.triangles[triangle as usize], |v| DVec3::from(self.vertices[v as usize]))
     }
 
-    /// Whether a ray along `direction` leaves a solid for the air through this triangle of it.
-    pub(super) fn is_way_out(&self, triangle: u32, direction: DVec3) -> bool {
-        let volume = self.volumes.get(self.volume_of(triangle) as usize);
-        volume.is_some_and(|volume| {
-            volume.role == enfilade_importers::Role::Solid as u32
-                && volume.by_winding == 1
-                && !self.looks_against(triangle, direction)
-        })
-    }
-
     /// The volume that a triangle is of, or none.
     fn volume_of(&self, triangle: u32) -> u32 {
         self.run_of.get(triangle as usize).map_or(NONE, |&run| self.runs[run as usize].volume)
@@ -323,9 +313,14 @@ impl<'s> Query<'s> {
         }
         let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
         let volume = walk.volume_of(index);
-        if is_in_plane
-            && (volume == walk.volume_of(surface.triangle) || !walk.looks_against(surface.triangle, normal))
-        {
+        // Back on the side from which its ray came, it meets what faces that, however the surface itself is wound.
+        let is_against = if surface.normal.dot(self.direction) > 0.0 {
+            normal.dot(surface.normal) < 0.0
+        } else {
+            walk.looks_against(surface.triangle, normal)
+        };
+        let is_own = volume != NONE && volume == walk.volume_of(surface.triangle);
+        if is_in_plane && (is_own || !is_against) {
             // In the plane itself, or behind it; or the other side of something that thin.
             return false;
         }

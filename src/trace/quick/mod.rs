@@ -24,7 +24,7 @@ use super::cost::Count;
 use super::entries::Entries;
 use super::kernel::Ask;
 use super::lanes::Lanes;
-use super::path::{BLURRED, NEAR};
+use super::path::{BEYOND, BLURRED, NEAR};
 use super::ray::{Brief, Ray};
 use super::step::Step;
 use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
@@ -298,7 +298,7 @@ impl<'a> Way<'a> {
                 return Some(self.met(cell, end, source));
             }
             if here.at_most() > self.limit
-                && here.exact_of(tables, self.ray, cell) > self.limit + tables.scene[0].tolerance
+                && here.exact_of(tables, self.ray, cell) > self.limit + BEYOND * tables.scene[0].tolerance
             {
                 return Some(self.nothing(cell));
             }
