@@ -253,7 +253,15 @@ fn what_may_be_in_a_solid_is_never_denied() {
                     }
                 }
             }
-            assert!(held > 1000, "{name}: {held}");
+            assert!(held > 500, "{name}: {held}");
         });
     }
+}
+
+/// Behind a ceiling that noise has bent no cell is in no doubt; the ray had ended before.
+#[test]
+fn a_segment_that_ends_before_matter_is_not_in_doubt_about_it() {
+    seeded(6, "house-damaged", Family::Zeros, 810);
+    seeded(6, "house-damaged", Family::Surfaces, 3038);
+    seeded(6, "house-damaged", Family::Surfaces, 3240);
 }

@@ -130,6 +130,19 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
 
     /// What it meets first.
     fn run(&mut self, hint: u32) -> Result<Ended, Unsure> {
+        let mut past = None;
+        match (self.follow(hint, &mut past), past) {
+            // It had ended; what comes after is no reason to doubt that.
+            (Err(_), Some(cell)) => {
+                let found = Found { t: self.limit, triangle: NONE };
+                Ok(Ended { found, cell, in_matter: false })
+            }
+            (ended, _) => ended,
+        }
+    }
+
+    /// The same; `past` becomes the cell in which the ray ends, once it is followed farther than that.
+    fn follow(&mut self, hint: u32, past: &mut Option<u32>) -> Result<Ended, Unsure> {
         let inside = self.path.prisms.hold(self.path.at(self.first));
         let mut cell = if inside { self.start(hint)? } else { AROUND };
         let cells = self.path.prisms.cells;
@@ -163,6 +176,9 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
             // Where cells say that the ray is too far, the triangles may say that it is not yet.
             if exit.t > self.limit + BEYOND * self.surfaces.tolerance {
                 return Ok(Ended { found: nothing, cell, in_matter: false });
+            }
+            if exit.t > self.limit + self.surfaces.tolerance {
+                past.get_or_insert(cell);
             }
             cell = exit.cell;
         }

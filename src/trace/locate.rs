@@ -173,9 +173,9 @@ pub(super) fn may_be_in_solid(tables: &Views, point: [f64; 3], margin: f64) -> b
     }
     let [width, depth, _] = tables.scene[0].locator_dims.map(u64::from);
     zs.into_iter().any(|z| {
-        let mut rows = ys.clone().into_iter();
+        let mut rows = ys.clone();
         rows.any(|y| {
-            let mut cubes = xs.clone().into_iter();
+            let mut cubes = xs.clone();
             cubes.any(|x| located_in(tables, (z * depth + y) * width + x).iter().any(is_in))
         })
     })
