@@ -196,8 +196,8 @@ fn cubes_near(
         let most = f64::from(scene.locator_dims[axis]);
         let cube = |at: f64| (at - scene.locator_origin[axis]) / scene.locator_step;
         let (first, last) = (cube(point[axis] - margin), cube(point[axis] + margin));
-        // Written so that a NaN is in none.
-        if !(last >= 0.0 && first < most) {
+        // Written so that a NaN is in none; and a grid may have no cubes.
+        if !(last >= 0.0 && first < most && most >= 1.0) {
             return None;
         }
         near[axis] = first.max(0.0) as u64..=last.min(most - 1.0).max(0.0) as u64;
