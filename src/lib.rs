@@ -52,6 +52,8 @@ struct Readme;
 
 #[cfg(feature = "proptest")]
 pub mod arbitrary;
+#[cfg(feature = "render")]
+pub mod beam;
 #[cfg(all(feature = "compile", feature = "render"))]
 pub mod bench;
 #[cfg(feature = "compile")]

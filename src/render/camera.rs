@@ -154,6 +154,11 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
+    /// The eye; from it to the upper left corner of the picture, one pixel to the right, and one downward.
+    pub(crate) fn parts(&self) -> [DVec3; 4] {
+        [self.eye, self.corner, self.across, self.down]
+    }
+
     /// The ray through the centre of the pixel in column `x` and row `y` (from the top). Its direction has not unit
     /// length.
     #[inline]

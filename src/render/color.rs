@@ -103,7 +103,7 @@ pub(super) fn to_linear(c: f32) -> f32 {
 }
 
 /// Linear light as one channel of sRGB; what is under 0 or over 1 is cut.
-pub(super) fn to_srgb(c: f32) -> f32 {
+pub(crate) fn to_srgb(c: f32) -> f32 {
     // Not `clamp`: NaN becomes 0.
     let c = if c > 0.0 { c.min(1.0) } else { 0.0 };
     if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }

@@ -23,6 +23,7 @@ mod stand;
 mod views;
 mod write;
 
+pub(crate) use color::to_srgb;
 pub use camera::{Camera, CameraError, Pinhole};
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
 pub use color::{

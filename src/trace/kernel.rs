@@ -70,6 +70,18 @@ impl Kernel {
         Kernel::available().into_iter().find(|k| k.name() == name)
     }
 
+    /// Whether it may use what AVX2 has (and FMA, BMI), and what AVX-512 has.
+    #[cfg(feature = "render")]
+    pub(crate) const fn extensions(self) -> [bool; 2] {
+        match self.0 {
+            Set::Portable => [false, false],
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => [true, false],
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => [true, true],
+        }
+    }
+
     /// Its name: `portable`, `avx2`, `avx512`.
     pub const fn name(self) -> &'static str {
         match self.0 {

@@ -185,6 +185,12 @@ impl<'a> Prisms<'a> {
         p * at.x + q * at.y + height
     }
 
+    /// A plane of floors or ceilings.
+    #[cfg(feature = "render")]
+    pub(crate) fn plane(&self, plane: u32) -> PlaneRecord {
+        self.planes[plane as usize]
+    }
+
     /// The height of a plane that is level.
     pub(super) fn level(&self, plane: u32) -> Option<f64> {
         let PlaneRecord { slope, height } = *self.planes.get(plane as usize)?;

@@ -1,0 +1,75 @@
+//! Planes as a picture sees them.
+//!
+//! Along the ray through a pixel every plane is met at a `t` whose inverse is linear in the pixel's column and row; so which of two planes is met
+//! first is told by a straight line of the picture. No vertex is projected, and nothing is clipped at a near plane.
+
+use glam::DVec3;
+
+use super::rows::Line;
+use crate::render::Pinhole;
+use crate::trace::Prisms;
+
+/// The eye is taken to be so far, metres, from where it is, in a direction that no building has: then it lies in no plane of a cell.
+/// Seen from a metre away that is a millionth of a pixel.
+const ASIDE: DVec3 = DVec3::new(0.754_877_666e-9, 0.569_840_291e-9, 0.430_159_709e-9);
+
+/// An eye that is farther outside of its own cell than this, metres, counts as this far inside.
+const WITHIN: f64 = 1e-12;
+
+/// A picture's rays, along the lattice's axes from its origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Screen {
+    pub(super) eye: DVec3,
+    /// From the eye to the centre of the first pixel, one column on, and one row on.
+    pub(super) first: DVec3,
+    pub(super) across: DVec3,
+    pub(super) down: DVec3,
+}
+
+impl Screen {
+    pub(super) fn new(pinhole: &Pinhole, prisms: &Prisms<'_>) -> Screen {
+        let [eye, corner, across, down] = pinhole.parts();
+        let [corner, across, down] = [corner, across, down].map(|d| prisms.turned(d));
+        let first = corner + (across + down) * 0.5;
+        Screen { eye: prisms.local(eye) + ASIDE, first, across, down }
+    }
+
+    /// How a direction's part along `normal` goes with column and row.
+    pub(super) fn along(&self, normal: DVec3) -> [f64; 3] {
+        [self.across, self.down, self.first].map(|d| d.dot(normal))
+    }
+
+    /// The plane with the outward `normal`, outside of which the eye is by `away` times the normal's length.
+    pub(super) fn plane(&self, normal: DVec3, away: f64) -> Plane {
+        Plane { normal, grows: self.along(normal), away }
+    }
+}
+
+/// A plane as a picture sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// Outward, of any length, along the lattice's axes.
+    pub(super) normal: DVec3,
+    /// How much farther outside the ray through a pixel comes with each unit of `t`: with column, with row, and in the first pixel.
+    pub(super) grows: [f64; 3],
+    /// How far outside the eye is; negative inside.
+    pub(super) away: f64,
+}
+
+impl Plane {
+    /// Whether a ray from the eye, which is within, may leave through it.
+    pub(super) fn is_exit(&self) -> bool {
+        self.away < 0.0
+    }
+
+    /// The same plane, of a cell that holds the eye.
+    pub(super) fn around_eye(self) -> Plane {
+        Plane { away: self.away.min(-WITHIN), ..self }
+    }
+
+    /// Where rays that leave through `exit` do so outside of this plane: there the line's positive side is.
+    pub(super) fn beyond_at(&self, exit: &Plane) -> Line {
+        let along = |i: usize| self.away * exit.grows[i] - exit.away * self.grows[i];
+        Line([along(0), along(1), along(2)])
+    }
+}

@@ -1,0 +1,339 @@
+//! From the eye's cell through its portals to all that a picture shows.
+//!
+//! The rays of a region of the picture leave a convex cell through one of its planes each, the first that they come to. Vertical planes through the
+//! eye and the footprint's corners split the region into one part a side; then a line each tells the rays that come to the floor or the ceiling
+//! before. What leads to air goes on there; all else is shown.
+
+use glam::{DVec2, DVec3};
+
+use super::kernels::Kernels;
+use super::rows::{Arena, Line, Region};
+use super::screen::{Plane, Screen};
+use crate::format::Views;
+use crate::format::records::{CellRecord, CoverRecord, PLAIN, PlaneRecord, SideRecord};
+use crate::trace::{NONE, Prisms};
+
+/// Beams that are split more often end in doubt: only files made to be slow do that.
+const MOST_TASKS: usize = 1 << 22;
+
+/// What a region of a picture shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Seen {
+    /// A wall, floor or ceiling of a cell: what it is by its number among the sources, and whether one plane says all of it.
+    Face { source: u32, is_plain: bool, cell: u32, plane: Plane },
+    /// What lies around the prisms.
+    Around { cell: u32 },
+    /// What cells do not tell.
+    Unsure { cell: u32 },
+}
+
+/// What becomes of the parts of a picture.
+pub(super) trait Paint {
+    /// Takes a region: no pixel comes twice, and each of the picture comes once.
+    fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen);
+}
+
+/// A region of the picture whose rays are in a cell.
+struct Task {
+    cell: u32,
+    /// The cell that they came from, or [`NONE`].
+    from: u32,
+    region: Region,
+    /// How much of the arena it needs.
+    top: usize,
+}
+
+/// What is kept from picture to picture, to be used again.
+pub(super) struct Space {
+    arena: Arena,
+    tasks: Vec<Task>,
+    planes: Vec<Plane>,
+    pub(super) cells: u64,
+}
+
+impl Space {
+    pub(super) fn new() -> Space {
+        Space { arena: Arena::new(), tasks: Vec::new(), planes: Vec::new(), cells: 0 }
+    }
+}
+
+/// A picture under way.
+pub(super) struct Walker<'a, P> {
+    tables: &'a Views,
+    prisms: Prisms<'a>,
+    screen: &'a Screen,
+    kernels: Kernels,
+    space: &'a mut Space,
+    paint: &'a mut P,
+}
+
+impl<'a, P: Paint> Walker<'a, P> {
+    pub(super) fn new(
+        tables: &'a Views,
+        screen: &'a Screen,
+        kernels: Kernels,
+        space: &'a mut Space,
+        paint: &'a mut P,
+    ) -> Self {
+        Walker { tables, prisms: Prisms::new(tables), screen, kernels, space, paint }
+    }
+
+    /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye.
+    pub(super) fn band(&mut self, width: i32, [first, end]: [i32; 2], start: u32) {
+        let region = self.space.arena.begin(width, first, end);
+        self.space.tasks.clear();
+        self.space.cells = 0;
+        self.push(start, NONE, region);
+        let mut count = 0;
+        while let Some(task) = self.space.tasks.pop() {
+            self.space.arena.forget(task.top);
+            count += 1;
+            if count > MOST_TASKS {
+                self.show(task.region, Seen::Unsure { cell: task.cell });
+                continue;
+            }
+            self.through(&task);
+        }
+        self.space.cells = count as u64;
+    }
+
+    fn push(&mut self, cell: u32, from: u32, region: Region) {
+        let top = self.space.arena.top();
+        self.space.tasks.push(Task { cell, from, region, top });
+    }
+
+    fn show(&mut self, region: Region, seen: Seen) {
+        self.paint.paint(&self.space.arena, &region, &seen);
+    }
+
+    fn split(&mut self, region: Region, line: Line) -> (Option<Region>, Option<Region>) {
+        self.space.arena.split(&self.kernels, region, line)
+    }
+
+    /// The floor (`up` is -1) or ceiling (1) of a cell.
+    fn level(&self, plane: u32, up: f64) -> Plane {
+        let PlaneRecord { slope: [p, q], height } = self.prisms.plane(plane);
+        let eye = self.screen.eye;
+        let over = eye.z - p * eye.x - q * eye.y - height;
+        self.screen.plane(DVec3::new(-p, -q, 1.0) * up, over * up)
+    }
+
+    /// The upright plane over a side, which goes from `a` to `b`.
+    fn upright(&self, a: DVec2, b: DVec2) -> Plane {
+        let (edge, eye) = (b - a, self.screen.eye.truncate());
+        let normal = DVec2::new(edge.y, -edge.x);
+        self.screen.plane(normal.extend(0.0), normal.dot(eye - a))
+    }
+
+    /// What the rays of a region do in a cell.
+    fn through(&mut self, task: &Task) {
+        let prisms = self.prisms;
+        let cell = &prisms.cells[task.cell as usize];
+        if cell.kind != CellRecord::AIR {
+            self.show(task.region, Seen::Unsure { cell: task.cell });
+            return;
+        }
+        let sides = prisms.sides_of(cell);
+        let holds_eye = task.from == NONE;
+        let settle = |plane: Plane| if holds_eye { plane.around_eye() } else { plane };
+        let floor = settle(self.level(cell.floor, -1.0));
+        let ceiling = settle(self.level(cell.ceiling, 1.0));
+        let mut planes = std::mem::take(&mut self.space.planes);
+        planes.clear();
+        for (index, side) in sides.iter().enumerate() {
+            let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
+            planes.push(settle(self.upright(corner(side), corner(next))));
+        }
+        if cell.root != NONE {
+            self.show(task.region, Seen::Unsure { cell: task.cell });
+            return;
+        }
+        let inside = In { task, cell, sides, planes: &planes, ends: [floor, ceiling] };
+        if planes.iter().all(Plane::is_exit) {
+            self.all_around(&inside);
+        } else {
+            self.ahead(&inside);
+        }
+        self.space.planes = planes;
+    }
+
+    /// The line through the eye's place in the plan and a corner: rays to the left of it, seen from above, are on its positive side.
+    fn past(&self, corner: DVec2) -> (DVec2, Line) {
+        let way = corner - self.screen.eye.truncate();
+        (way, Line(self.screen.along(DVec3::new(-way.y, way.x, 0.0))))
+    }
+
+    /// The eye is over the footprint, below or in it: a plane through the first corner halves what can be seen, and on each half the sides follow
+    /// each other.
+    fn all_around(&mut self, inside: &In<'_>) {
+        let count = inside.sides.len();
+        let (zero, line) = self.past(corner(&inside.sides[0]));
+        let (left, right) = self.split(inside.task.region, line);
+        let mut rest = left;
+        for side in 0..count {
+            let Some(region) = rest else { break };
+            let next = if side + 1 < count { side + 1 } else { 0 };
+            let (way, line) = self.past(corner(&inside.sides[next]));
+            if next == 0 || zero.perp_dot(way) <= 0.0 {
+                self.column(inside, side, region);
+                break;
+            }
+            let (beyond, before) = self.split(region, line);
+            before.into_iter().for_each(|before| self.column(inside, side, before));
+            rest = beyond;
+        }
+        let mut rest = right;
+        for side in (0..count).rev() {
+            let Some(region) = rest else { break };
+            let (way, line) = self.past(corner(&inside.sides[side]));
+            if side == 0 || zero.perp_dot(way) >= 0.0 {
+                self.column(inside, side, region);
+                break;
+            }
+            let (before, beyond) = self.split(region, line);
+            before.into_iter().for_each(|before| self.column(inside, side, before));
+            rest = beyond;
+        }
+    }
+
+    /// The eye is beside the footprint: rays leave through those sides that face away from it.
+    fn ahead(&mut self, inside: &In<'_>) {
+        let count = inside.sides.len();
+        let is_exit = |side: usize| inside.planes[side % count].is_exit();
+        let Some(first) = (0..count).find(|&side| is_exit(side) && !is_exit(side + count - 1)) else {
+            self.show(inside.task.region, Seen::Unsure { cell: inside.task.cell });
+            return;
+        };
+        let mut region = inside.task.region;
+        for side in first..first + count {
+            let next = (side + 1) % count;
+            if !is_exit(next) {
+                self.column(inside, side % count, region);
+                return;
+            }
+            let (_, line) = self.past(corner(&inside.sides[next]));
+            let (beyond, before) = self.split(region, line);
+            before.into_iter().for_each(|before| self.column(inside, side % count, before));
+            let Some(beyond) = beyond else { return };
+            region = beyond;
+        }
+    }
+
+    /// Rays that leave through one side, unless they come to the floor or the ceiling before.
+    fn column(&mut self, inside: &In<'_>, side: usize, region: Region) {
+        let plane = inside.planes[side];
+        let mut rest = Some(region);
+        let (below, above) = self.prisms.covers_of(inside.cell);
+        for (end, covers) in inside.ends.iter().zip([below, above]) {
+            let Some(region) = rest else { return };
+            if !end.is_exit() {
+                continue;
+            }
+            let (first, later) = self.split(region, end.beyond_at(&plane));
+            if let Some(first) = first {
+                let covers: Vec<&CoverRecord> = covers.iter().collect();
+                self.cover(inside, end, &covers, first);
+            }
+            rest = later;
+        }
+        let Some(mut region) = rest else { return };
+        let faces = self.prisms.faces_of(&inside.sides[side]);
+        for (index, face) in faces.iter().enumerate() {
+            let to = (face.cell, face.source, face.flags);
+            if index + 1 == faces.len() || face.top == NONE {
+                self.leave(inside, &plane, to, region);
+                return;
+            }
+            let top = self.level(face.top, 1.0);
+            let (above, under) = self.split(region, top.beyond_at(&plane));
+            under.into_iter().for_each(|under| self.leave(inside, &plane, to, under));
+            let Some(above) = above else { return };
+            region = above;
+        }
+    }
+
+    /// Rays that leave through a floor or a ceiling, which these cover.
+    fn cover(&mut self, inside: &In<'_>, end: &Plane, covers: &[&CoverRecord], region: Region) {
+        if let [cover] = covers {
+            self.leave(inside, end, (cover.cell, cover.source, cover.flags), region);
+            return;
+        }
+        let Some((a, b)) = self.parting(covers) else {
+            self.show(region, Seen::Unsure { cell: inside.task.cell });
+            return;
+        };
+        let line = self.upright(a, b).beyond_at(end);
+        let (outer, inner) = self.split(region, line);
+        for (region, up) in [(outer, 1.0), (inner, -1.0)] {
+            let Some(region) = region else { continue };
+            let is_there = |cover: &&CoverRecord| {
+                self.footprint(cover.cell).any(|corner| (b - a).perp_dot(corner - a) * up < 0.0)
+            };
+            let there: Vec<&CoverRecord> = covers.iter().copied().filter(is_there).collect();
+            self.cover(inside, end, &there, region);
+        }
+    }
+
+    fn footprint(&self, cell: u32) -> impl Iterator<Item = DVec2> + use<'a, P> {
+        self.prisms.sides_of(&self.prisms.cells[cell as usize]).iter().map(corner)
+    }
+
+    /// An edge of the footprint of one of the cells that cover a plane, along which to split the plane: it splits the fewest of them, and parts
+    /// some from others. All is exact, on the lattice.
+    fn parting(&self, covers: &[&CoverRecord]) -> Option<(DVec2, DVec2)> {
+        let mut best = None;
+        for cover in covers {
+            let corners: Vec<DVec2> = self.footprint(cover.cell).collect();
+            for (index, &a) in corners.iter().enumerate() {
+                let b = corners[(index + 1) % corners.len()];
+                let (mut inner, mut outer) = (0, 0);
+                for other in covers {
+                    let sides = self.footprint(other.cell).map(|corner| (b - a).perp_dot(corner - a));
+                    let (least, most) = sides.fold((0f64, 0f64), |(lo, hi), side| (lo.min(side), hi.max(side)));
+                    inner += usize::from(most > 0.0);
+                    outer += usize::from(least < 0.0);
+                }
+                let larger = inner.max(outer);
+                let split = inner + outer;
+                if inner > 0
+                    && larger < covers.len()
+                    && best.is_none_or(|(known, _)| (split, larger) < known)
+                {
+                    best = Some(((split, larger), (a, b)));
+                }
+            }
+        }
+        best.map(|(_, edge)| edge)
+    }
+
+    /// Rays that leave a cell through one part of its surface.
+    fn leave(&mut self, inside: &In<'_>, plane: &Plane, to: (u32, u32, u16), region: Region) {
+        let (cell, (beyond, source, flags)) = (inside.task.cell, to);
+        let next = &self.prisms.cells[beyond as usize];
+        let seen = match next.kind {
+            CellRecord::SOLID if source != NONE && next.flags & CellRecord::HIDDEN == 0 => {
+                Seen::Face { source, is_plain: flags == PLAIN, cell, plane: *plane }
+            }
+            CellRecord::AIR if source == NONE && beyond != inside.task.from => {
+                self.push(beyond, cell, region);
+                return;
+            }
+            CellRecord::AROUND if source == NONE => Seen::Around { cell },
+            _ => Seen::Unsure { cell },
+        };
+        self.show(region, seen);
+    }
+}
+
+/// A cell, and the region whose rays are in it.
+struct In<'a> {
+    task: &'a Task,
+    cell: &'a CellRecord,
+    sides: &'a [SideRecord],
+    planes: &'a [Plane],
+    ends: [Plane; 2],
+}
+
+fn corner(side: &SideRecord) -> DVec2 {
+    DVec2::from(side.start.map(f64::from))
+}
