@@ -14,15 +14,15 @@ fn main() {
     let mut px = vec![0u32; (n*n) as usize];
     let mut beams = Beams::new(&scene);
     if let Some(k) = std::env::var("K").ok() { beams = beams.with_kernel(enfilade::Kernel::by_name(&k).unwrap()); }
-    let (mut ms, mut cells, mut spans, mut unsure) = (vec![], 0, 0, 0);
+    let (mut ms, mut cells, mut spans, mut unsure, mut tris) = (vec![], 0, 0, 0, 0);
     for v in &views {
         let mut t = vec![];
         for _ in 0..9 { let s = Instant::now(); let c = beams.paint(v, n, &mut px); t.push(s.elapsed().as_secs_f64()*1e3);
-            if t.len()==1 { cells += c.cells; spans += c.spans; unsure += c.unsure; } }
+            if t.len()==1 { cells += c.cells; spans += c.spans; unsure += c.unsure; tris += c.triangles; } }
         ms.push(median(&mut t));
     }
     let k = views.len() as f64;
-    println!("{path}: {} views, median {:.3} ms, mean {:.3}, max {:.3}; cells {:.0}, spans {:.0}, unsure {:.4}", views.len(), median(&mut ms.clone()), ms.iter().sum::<f64>()/k, ms.iter().cloned().fold(0.0,f64::max), cells as f64/k, spans as f64/k, unsure as f64/k/(n*n) as f64);
+    println!("{path}: {} views, median {:.3} ms, mean {:.3}, max {:.3}; cells {:.0}, spans {:.0}, unsure {:.4}, triangles {:.0}", views.len(), median(&mut ms.clone()), ms.iter().sum::<f64>()/k, ms.iter().cloned().fold(0.0,f64::max), cells as f64/k, spans as f64/k, unsure as f64/k/(n*n) as f64, tris as f64/k);
     if let Some(out) = out {
         let which: usize = std::env::args().nth(3).map_or(0, |s| s.parse().unwrap());
         px.fill(0xff_00_00_ff);

@@ -3,6 +3,7 @@
 //! A picture is one beam from the eye. In each convex cell a beam is split by straight lines of the picture into those that leave
 //! through each face, kept as one interval of columns a row, and follows the portals (see `docs/BEAMS.md`).
 
+mod detail;
 mod kernels;
 mod rows;
 mod screen;
@@ -10,6 +11,7 @@ mod shade;
 mod simd;
 mod walk;
 
+use detail::Detail;
 use kernels::Kernels;
 use screen::Screen;
 use shade::Canvas;
@@ -17,7 +19,7 @@ use walk::{Space, Walker};
 
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Kernel, Place, Prisms};
+use crate::trace::{Kernel, NONE, Place, Prisms};
 
 /// Rows that are done together, so that what is written stays in a cache.
 const BAND: usize = 256;
@@ -29,6 +31,8 @@ pub struct BeamCounts {
     pub cells: u64,
     /// Parts of rows.
     pub spans: u64,
+    /// Triangles drawn.
+    pub triangles: u64,
     /// Pixels of which the cells did not tell what they show.
     pub unsure: u64,
 }
@@ -39,13 +43,26 @@ pub struct Beams<'a> {
     kernels: Kernels,
     space: Space,
     unsure: Vec<[i32; 3]>,
+    near: Vec<f32>,
+    touched: Vec<u64>,
+    has_detail: bool,
 }
 
 impl<'a> Beams<'a> {
     /// For pictures of this scene.
     pub fn new(scene: &'a Scene) -> Beams<'a> {
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
-        Beams { scene, kernels: Kernels(kernel), space: Space::new(), unsure: Vec::new() }
+        let has_detail = scene.tables.cells.iter().skip(1).any(|cell| cell.root != NONE);
+        let (near, touched) = Default::default();
+        Beams {
+            scene,
+            kernels: Kernels(kernel),
+            space: Space::new(),
+            unsure: Vec::new(),
+            near,
+            touched,
+            has_detail,
+        }
     }
 
     /// The same by this kernel.
@@ -61,9 +78,16 @@ impl<'a> Beams<'a> {
         let mut counts = BeamCounts::default();
         let Place::Air { cell, .. } = self.scene.locate(camera.eye()) else { return counts };
         self.unsure.clear();
+        let mut detail = Detail::new(tables, screen.internal(&Prisms::new(tables)));
         let mut first = 0;
         for band in pixels.chunks_mut(BAND * width as usize) {
             let end = first + (band.len() / width as usize) as i32;
+            self.near.clear();
+            self.touched.clear();
+            if self.has_detail {
+                self.near.resize(band.len(), 0.0);
+                self.touched.resize(band.len() / width as usize, 0);
+            }
             let mut canvas = Canvas {
                 tables,
                 screen: &screen,
@@ -73,11 +97,17 @@ impl<'a> Beams<'a> {
                 pixels: band,
                 sky: 0xffff_c8a0,
                 unsure: &mut self.unsure,
+                detail: &mut detail,
+                near: &mut self.near,
+                touched: &mut self.touched,
+                block: width.div_ceil(64).next_power_of_two().trailing_zeros(),
+                triangles: 0,
                 spans: 0,
             };
             let mut walker = Walker::new(tables, &screen, self.kernels, &mut self.space, &mut canvas);
             walker.band(width as i32, [first, end], cell);
             counts.spans += canvas.spans;
+            counts.triangles += canvas.triangles;
             counts.cells += self.space.cells;
             first = end;
         }

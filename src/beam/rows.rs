@@ -22,6 +22,13 @@ pub(super) struct Region {
     hi: usize,
 }
 
+impl Region {
+    /// The same in some of its rows only.
+    pub(super) fn within(self, rows: [i32; 2]) -> Region {
+        Region { rows, ..self }
+    }
+}
+
 /// The borders of regions, those of a later region after those of an earlier one.
 pub(super) struct Arena {
     columns: Vec<i32>,

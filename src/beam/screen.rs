@@ -34,6 +34,12 @@ impl Screen {
         Screen { eye: prisms.local(eye) + ASIDE, first, across, down }
     }
 
+    /// The same along the internal frame's axes.
+    pub(super) fn internal(&self, prisms: &Prisms<'_>) -> Screen {
+        let [first, across, down] = [self.first, self.across, self.down].map(|d| prisms.turned_back(d));
+        Screen { eye: prisms.global(self.eye), first, across, down }
+    }
+
     /// How a direction's part along `normal` goes with column and row.
     pub(super) fn along(&self, normal: DVec3) -> [f64; 3] {
         [self.across, self.down, self.first].map(|d| d.dot(normal))

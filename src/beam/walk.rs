@@ -31,6 +31,10 @@ pub(super) enum Seen {
 pub(super) trait Paint {
     /// Takes a region: no pixel comes twice, and each of the picture comes once.
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen);
+
+    /// Takes what a region shows of the triangles below `root` before its rays leave through one of the planes, of which those count that may be left
+    /// through. What is painted after that in the same place is behind.
+    fn detail(&mut self, arena: &Arena, region: &Region, root: u32, exits: &[Plane]);
 }
 
 /// A region of the picture whose rays are in a cell.
@@ -144,10 +148,11 @@ impl<'a, P: Paint> Walker<'a, P> {
             let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
             planes.push(settle(self.upright(corner(side), corner(next))));
         }
+        planes.extend([floor, ceiling]);
         if cell.root != NONE {
-            self.show(task.region, Seen::Unsure { cell: task.cell });
-            return;
+            self.paint.detail(&self.space.arena, &task.region, cell.root, &planes);
         }
+        planes.truncate(sides.len());
         let inside = In { task, cell, sides, planes: &planes, ends: [floor, ceiling] };
         if planes.iter().all(Plane::is_exit) {
             self.all_around(&inside);

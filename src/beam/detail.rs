@@ -1,0 +1,180 @@
+//! Triangles in cells: rasterised, with depth, into the region of the picture whose rays are in the cell.
+//!
+//! In the camera's own coordinates, in which the ray through column `x` and row `y` is `(x, y, 1)`, the plane through the eye and an edge is the cross product
+//! of its ends: a line of the picture, of equal size and opposite sign on the other side. A triangle is where three of them are positive, so that
+//! nothing is clipped, not even behind the eye; and `1 / t` is linear.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::kernels::{Bound, Deep};
+use super::rows::{Arena, Region};
+use super::screen::{Plane, Screen};
+use crate::format::Views;
+use crate::format::records::{LANES, Leaf, NodeRecord};
+
+/// Boxes are this much larger, metres: what f32 rounds.
+const SLACK: f32 = 1e-3;
+
+/// A corner that is this much farther outside of a cell, metres, is outside.
+const OUTSIDE: f64 = 1e-6;
+
+/// A corner nearer than this in front of the eye, in units of the ray, has no place in the picture.
+const FRONT: f64 = 1e-6;
+
+/// The triangles of a scene as a picture sees them.
+pub(super) struct Detail<'a> {
+    tables: &'a Views,
+    /// Along the internal frame's axes.
+    pub(super) screen: Screen,
+    /// From a point relative to the eye to the camera's coordinates.
+    camera: DMat3,
+    /// The eye relative to the scene's center.
+    eye: Vec3,
+    stack: Vec<u32>,
+}
+
+/// A triangle, ready to be drawn.
+pub(super) struct Drawn {
+    pub(super) triangle: u32,
+    /// The rows that it may reach.
+    pub(super) rows: [i32; 2],
+    pub(super) deep: Deep,
+}
+
+impl<'a> Detail<'a> {
+    pub(super) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
+        let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
+        let eye = (screen.eye - DVec3::from(tables.scene[0].center)).as_vec3();
+        Detail { tables, screen, camera, eye, stack: Vec::new() }
+    }
+
+    /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
+    pub(super) fn draw(
+        &mut self,
+        region: &Region,
+        root: u32,
+        exits: &[Plane],
+        mut draw: impl FnMut(&Drawn),
+    ) {
+        let frustum = self.frustum(region);
+        self.stack.clear();
+        self.stack.push(root);
+        while let Some(link) = self.stack.pop() {
+            if link & Leaf::BIT == 0 {
+                let node = &self.tables.nodes[link as usize];
+                let mut seen = reaches(node, self.eye, &frustum);
+                while seen != 0 {
+                    let lane = seen.trailing_zeros() as usize;
+                    seen &= seen - 1;
+                    if node.child[lane] != u32::MAX {
+                        self.stack.push(node.child[lane]);
+                    }
+                }
+                continue;
+            }
+            let leaf = Leaf::new(link);
+            let block = &self.tables.blocks[leaf.block()];
+            for lane in leaf.lanes() {
+                // Triangles that rays are not to meet are no numbers.
+                if block.triangle[lane] == u32::MAX || block.corner[0][lane].is_nan() {
+                    continue;
+                }
+                if let Some(drawn) = self.triangle(block.triangle[lane], region, exits) {
+                    draw(&drawn);
+                }
+            }
+        }
+    }
+
+    /// The planes through the eye and the borders of a region's box, inward.
+    fn frustum(&self, region: &Region) -> [Vec3; 4] {
+        let Screen { first, across, down, .. } = self.screen;
+        let ([x0, x1], [y0, y1]) = (region.columns.map(f64::from), region.rows.map(f64::from));
+        let inward = |along: DVec3, at: DVec3, toward: DVec3| {
+            let normal = along.cross(at).normalize_or_zero();
+            if normal.dot(toward) < 0.0 { -normal } else { normal }.as_vec3()
+        };
+        [
+            inward(down, first + across * (x0 - 0.5), across),
+            inward(down, first + across * (x1 - 0.5), -across),
+            inward(across, first + down * (y0 - 0.5), down),
+            inward(across, first + down * (y1 - 0.5), -down),
+        ]
+    }
+
+    fn triangle(&self, triangle: u32, region: &Region, exits: &[Plane]) -> Option<Drawn> {
+        let corners = self.tables.triangles[triangle as usize];
+        let world = corners.map(|v| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye);
+        let [a, b, c] = world.map(|v| self.camera * v);
+        let mut rows = region.rows;
+        if a.z > FRONT && b.z > FRONT && c.z > FRONT {
+            let [ya, yb, yc] = [a, b, c].map(|v| v.y / v.z);
+            let (least, most) = (ya.min(yb).min(yc), ya.max(yb).max(yc));
+            rows[0] = rows[0].max((least - 1e-6).ceil().max(-1e9) as i32);
+            rows[1] = rows[1].min((most + 1e-6).floor().min(1e9) as i32 + 1);
+            let [xa, xb, xc] = [a, b, c].map(|v| v.x / v.z);
+            let (least, most) = (xa.min(xb).min(xc), xa.max(xb).max(xc));
+            if rows[0] >= rows[1]
+                || (least - 1e-6).ceil() >= f64::from(region.columns[1])
+                || most + 1e-6 < f64::from(region.columns[0])
+                || (least - 1e-6).ceil() > most + 1e-6
+            {
+                return None;
+            }
+        } else if a.z <= 0.0 && b.z <= 0.0 && c.z <= 0.0 {
+            return None;
+        }
+        let sides = [b.cross(c), c.cross(a), a.cross(b)];
+        let size = a.dot(sides[0]);
+        if size == 0.0 {
+            return None;
+        }
+        let sign = size.signum();
+        let near = (sides[0] + sides[1] + sides[2]) / size;
+        let mut bounds = [Bound::NONE; Deep::BOUNDS];
+        for (bound, side) in bounds.iter_mut().zip(sides) {
+            *bound = Bound::new(side * sign, &mut rows);
+        }
+        let mut count = 3;
+        for exit in exits.iter().filter(|exit| exit.is_exit()) {
+            let grows = DVec3::from(exit.grows);
+            let limit = OUTSIDE * exit.normal.length();
+            if [a, b, c].iter().any(|&v| exit.away + grows.dot(v) > limit) {
+                if count == Deep::BOUNDS {
+                    break;
+                }
+                bounds[count] = Bound::new(near + grows / exit.away, &mut rows);
+                count += 1;
+            }
+        }
+        if rows[0] >= rows[1] {
+            return None;
+        }
+        let normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
+        let grows = self.screen.along(normal).map(|c| c as f32);
+        Some(Drawn { triangle, rows, deep: Deep { bounds, count, near: near.to_array(), grows } })
+    }
+}
+
+/// The children of a node that reach into all of the half-spaces, child i as bit i.
+#[inline(always)]
+fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
+    let mut inside = [true; LANES];
+    for normal in frustum {
+        let limit = normal.dot(eye) - SLACK;
+        for lane in 0..LANES {
+            let mut far = 0.0;
+            for axis in 0..3 {
+                let n = normal[axis];
+                far += if n > 0.0 { n * node.hi[axis][lane] } else { n * node.lo[axis][lane] };
+            }
+            inside[lane] &= far >= limit;
+        }
+    }
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
+}
+
+/// The rows of a region that `rows` holds, with their borders.
+pub(super) fn borders_of<'a>(arena: &'a Arena, region: &Region, rows: [i32; 2]) -> [&'a [i32]; 2] {
+    arena.borders(&region.within(rows))
+}
