@@ -12,9 +12,9 @@ mod simd;
 mod walk;
 
 use detail::Detail;
-use kernels::Kernels;
+use kernels::{Cover, Kernels};
 use screen::Screen;
-use shade::Canvas;
+use shade::{Canvas, Show, square};
 use walk::{Space, Walker};
 
 use crate::render::Camera;
@@ -23,6 +23,9 @@ use crate::trace::{Kernel, NONE, Place, Prisms};
 
 /// Rows that are done together, so that what is written stays in a cache.
 const BAND: usize = 256;
+
+/// The colour of what lies around.
+const SKY_COLOR: u32 = 0xfff5_ddc8;
 
 /// What a picture took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,15 +73,29 @@ impl<'a> Beams<'a> {
         Beams { kernels: Kernels(kernel), ..self }
     }
 
-    /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height.
+    /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: eight-bit RGBA, red in the lowest bits, the
+    /// only light a lamp at the eye.
     pub fn paint(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
+        self.show(camera, width, pixels, Show::Light)
+    }
+
+    /// Writes over `pixels`, of which there are `width` by some height, what each shows: see [`Surface::of`].
+    pub fn surfaces(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
+        self.show(camera, width, pixels, Show::Surfaces)
+    }
+
+    fn show(&mut self, camera: &Camera, width: u32, pixels: &mut [u32], show: Show) -> BeamCounts {
+        let mut counts = BeamCounts::default();
+        if width == 0 || pixels.is_empty() {
+            return counts;
+        }
         let height = (pixels.len() / width as usize) as u32;
         let tables = &self.scene.tables;
-        let screen = Screen::new(&camera.pinhole(width, height), &Prisms::new(tables));
-        let mut counts = BeamCounts::default();
+        let prisms = Prisms::new(tables);
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms);
         let Place::Air { cell, .. } = self.scene.locate(camera.eye()) else { return counts };
         self.unsure.clear();
-        let mut detail = Detail::new(tables, screen.internal(&Prisms::new(tables)));
+        let mut detail = Detail::new(tables, screen.internal(&prisms));
         let mut first = 0;
         for band in pixels.chunks_mut(BAND * width as usize) {
             let end = first + (band.len() / width as usize) as i32;
@@ -88,19 +105,23 @@ impl<'a> Beams<'a> {
                 self.near.resize(band.len(), 0.0);
                 self.touched.resize(band.len() / width as usize, 0);
             }
-            let mut canvas = Canvas {
-                tables,
-                screen: &screen,
-                kernels: self.kernels,
+            let cover = Cover {
                 width: width as usize,
-                first,
+                top: first,
                 pixels: band,
-                sky: 0xffff_c8a0,
-                unsure: &mut self.unsure,
-                detail: &mut detail,
                 near: &mut self.near,
                 touched: &mut self.touched,
                 block: width.div_ceil(64).next_power_of_two().trailing_zeros(),
+            };
+            let mut canvas = Canvas {
+                tables,
+                kernels: self.kernels,
+                show,
+                cover,
+                square: square(&screen),
+                sky: SKY_COLOR,
+                unsure: &mut self.unsure,
+                detail: &mut detail,
                 triangles: 0,
                 spans: 0,
             };
@@ -113,5 +134,30 @@ impl<'a> Beams<'a> {
         }
         counts.unsure = self.unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         counts
+    }
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// Part of a wall, floor or ceiling of a cell: a triangle of this source of faces, by its number in the section `sources`.
+    Source(u32),
+    /// This triangle in a cell.
+    Triangle(u32),
+    /// Nothing.
+    Sky,
+    /// Cells do not tell.
+    Unsure,
+}
+
+impl Surface {
+    /// What a number of [`Beams::surfaces`] says.
+    pub fn of(pixel: u32) -> Surface {
+        match pixel {
+            shade::SKY => Surface::Sky,
+            shade::UNSURE => Surface::Unsure,
+            _ if pixel & shade::SOURCE != 0 => Surface::Source(pixel & !shade::SOURCE),
+            _ => Surface::Triangle(pixel),
+        }
     }
 }

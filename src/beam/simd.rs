@@ -1,139 +1,43 @@
 //! The loops of `kernels`, compiled for AVX2 and for AVX-512.
 #![allow(unsafe_code)]
 
-use super::kernels::{self, Deep, Depths};
-use super::shade::Shading;
+use super::kernels::{self, Cover, Deep, Tint};
 use crate::trace::Kernel;
 
-/// `kernels::split`.
-#[inline]
-pub(super) fn split(
-    kernel: Kernel,
-    borders: [&[i32]; 2],
-    border: &mut [i32],
-    first: i32,
-    line: [f64; 2],
-) -> [i32; 2] {
-    #[cfg(target_arch = "x86_64")]
-    match kernel.extensions() {
-        // SAFETY: such a kernel is made only where the CPU has them.
-        [_, true] => return unsafe { split_avx512(borders, border, first, line) },
-        // SAFETY: as above.
-        [true, _] => return unsafe { split_avx2(borders, border, first, line) },
-        _ => {}
-    }
-    let _ = kernel;
-    kernels::split(borders, border, first, line)
+/// Compiles a function of `kernels` for both, and calls that of a kernel.
+macro_rules! compiled {
+    ($name:ident, $avx2:ident, $avx512:ident, <$($tint:ident)?>, ($($arg:ident: $type:ty),*) -> $result:ty) => {
+        #[inline]
+        pub(super) fn $name$(<$tint: Tint>)?(kernel: Kernel, $($arg: $type),*) -> $result {
+            #[cfg(target_arch = "x86_64")]
+            match kernel.extensions() {
+                // SAFETY: such a kernel is made only where the CPU has them.
+                [_, true] => return unsafe { $avx512($($arg),*) },
+                // SAFETY: as above.
+                [true, _] => return unsafe { $avx2($($arg),*) },
+                _ => {}
+            }
+            let _ = kernel;
+            kernels::$name($($arg),*)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,avx512f,avx512vl,avx512dq")]
+        fn $avx512$(<$tint: Tint>)?($($arg: $type),*) -> $result {
+            kernels::$name($($arg),*)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+        fn $avx2$(<$tint: Tint>)?($($arg: $type),*) -> $result {
+            kernels::$name($($arg),*)
+        }
+    };
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn split_avx512(borders: [&[i32]; 2], border: &mut [i32], first: i32, line: [f64; 2]) -> [i32; 2] {
-    kernels::split(borders, border, first, line)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn split_avx2(borders: [&[i32]; 2], border: &mut [i32], first: i32, line: [f64; 2]) -> [i32; 2] {
-    kernels::split(borders, border, first, line)
-}
-
-/// `kernels::shade`.
-#[inline]
-pub(super) fn shade(
-    kernel: Kernel,
-    borders: [&[i32]; 2],
-    pixels: &mut [u32],
-    place: [i32; 2],
-    shading: &Shading,
-) {
-    #[cfg(target_arch = "x86_64")]
-    match kernel.extensions() {
-        // SAFETY: such a kernel is made only where the CPU has them.
-        [_, true] => return unsafe { shade_avx512(borders, pixels, place, shading) },
-        // SAFETY: as above.
-        [true, _] => return unsafe { shade_avx2(borders, pixels, place, shading) },
-        _ => {}
-    }
-    let _ = kernel;
-    kernels::shade(borders, pixels, place, shading);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn shade_avx512(borders: [&[i32]; 2], pixels: &mut [u32], place: [i32; 2], shading: &Shading) {
-    kernels::shade(borders, pixels, place, shading);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn shade_avx2(borders: [&[i32]; 2], pixels: &mut [u32], place: [i32; 2], shading: &Shading) {
-    kernels::shade(borders, pixels, place, shading);
-}
-
-/// `kernels::draw`.
-#[inline]
-pub(super) fn draw(
-    kernel: Kernel,
-    borders: [&[i32]; 2],
-    depths: &mut Depths<'_>,
-    place: [i32; 2],
-    deep: &Deep,
-    shading: &Shading,
-) -> u32 {
-    #[cfg(target_arch = "x86_64")]
-    match kernel.extensions() {
-        // SAFETY: such a kernel is made only where the CPU has them.
-        [_, true] => return unsafe { draw_avx512(borders, depths, place, deep, shading) },
-        // SAFETY: as above.
-        [true, _] => return unsafe { draw_avx2(borders, depths, place, deep, shading) },
-        _ => {}
-    }
-    let _ = kernel;
-    kernels::draw(borders, depths, place, deep, shading)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn draw_avx512(borders: [&[i32]; 2], depths: &mut Depths<'_>, place: [i32; 2], deep: &Deep, shading: &Shading) -> u32 {
-    kernels::draw(borders, depths, place, deep, shading)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn draw_avx2(borders: [&[i32]; 2], depths: &mut Depths<'_>, place: [i32; 2], deep: &Deep, shading: &Shading) -> u32 {
-    kernels::draw(borders, depths, place, deep, shading)
-}
-
-/// `kernels::shade_behind`.
-#[inline]
-pub(super) fn shade_behind(
-    kernel: Kernel,
-    borders: [&[i32]; 2],
-    depths: &mut Depths<'_>,
-    place: [i32; 2],
-    shading: &Shading,
-) {
-    #[cfg(target_arch = "x86_64")]
-    match kernel.extensions() {
-        // SAFETY: such a kernel is made only where the CPU has them.
-        [_, true] => return unsafe { shade_behind_avx512(borders, depths, place, shading) },
-        // SAFETY: as above.
-        [true, _] => return unsafe { shade_behind_avx2(borders, depths, place, shading) },
-        _ => {}
-    }
-    let _ = kernel;
-    kernels::shade_behind(borders, depths, place, shading)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn shade_behind_avx512(borders: [&[i32]; 2], depths: &mut Depths<'_>, place: [i32; 2], shading: &Shading) {
-    kernels::shade_behind(borders, depths, place, shading)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn shade_behind_avx2(borders: [&[i32]; 2], depths: &mut Depths<'_>, place: [i32; 2], shading: &Shading) {
-    kernels::shade_behind(borders, depths, place, shading)
-}
+compiled!(split, split_avx2, split_avx512, <>,
+    (borders: [&[i32]; 2], border: &mut [i32], first: i32, line: [f64; 2]) -> [i32; 2]);
+compiled!(fill, fill_avx2, fill_avx512, <T>,
+    (borders: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) -> ());
+compiled!(draw, draw_avx2, draw_avx512, <T>,
+    (borders: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, deep: &Deep, tint: &T) -> u32);
