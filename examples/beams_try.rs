@@ -23,6 +23,16 @@ fn main() {
     }
     let k = views.len() as f64;
     println!("{path}: {} views, median {:.3} ms, mean {:.3}, max {:.3}; cells {:.0}, spans {:.0}, unsure {:.4}, triangles {:.0}", views.len(), median(&mut ms.clone()), ms.iter().sum::<f64>()/k, ms.iter().cloned().fold(0.0,f64::max), cells as f64/k, spans as f64/k, unsure as f64/k/(n*n) as f64, tris as f64/k);
+    if let Ok(k) = std::env::var("CHECK") {
+        let mut all = (0u64, 0u64, 0u64, 0u64);
+        for (i, v) in views.iter().enumerate().take(k.parse().unwrap()) {
+            let d = beams.differences(v, n, n);
+            all.0 += d.pixels; all.1 += d.unsure + d.unwritten; all.2 += d.ties; all.3 += d.wrong.len() as u64;
+            if !d.wrong.is_empty() { println!("  view {i}: wrong {} {:?}", d.wrong.len(), &d.wrong[..d.wrong.len().min(3)]); }
+        }
+        let ppm = |c: u64| c as f64 / all.0 as f64 * 1e6;
+        println!("  unsure {:.1} ppm, ties {:.1}, wrong {:.1}", ppm(all.1), ppm(all.2), ppm(all.3));
+    }
     if let Some(out) = out {
         let which: usize = std::env::args().nth(3).map_or(0, |s| s.parse().unwrap());
         px.fill(0xff_00_00_ff);

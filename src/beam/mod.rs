@@ -3,6 +3,7 @@
 //! A picture is one beam from the eye. In each convex cell a beam is split by straight lines of the picture into those that leave
 //! through each face, kept as one interval of columns a row, and follows the portals (see `docs/BEAMS.md`).
 
+mod check;
 mod detail;
 mod kernels;
 mod rows;
@@ -11,6 +12,7 @@ mod shade;
 mod simd;
 mod walk;
 
+pub use check::Differences;
 use detail::Detail;
 use kernels::{Cover, Kernels};
 use screen::Screen;
