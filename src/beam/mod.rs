@@ -6,6 +6,7 @@
 mod check;
 mod detail;
 mod kernels;
+mod rays;
 mod rows;
 mod screen;
 mod shade;
@@ -16,6 +17,7 @@ pub use check::Differences;
 use detail::Detail;
 use kernels::{Cover, Kernels};
 use screen::Screen;
+use rays::Rays;
 use shade::{Canvas, Show, square};
 use walk::{Space, Walker};
 
@@ -51,13 +53,22 @@ pub struct Beams<'a> {
     near: Vec<f32>,
     touched: Vec<u64>,
     has_detail: bool,
+    /// Whether there is nothing around the prisms.
+    is_whole: bool,
+}
+
+/// Whether no triangle reaches out of the prisms' zone.
+fn holds_all(scene: &Scene) -> bool {
+    let prisms = Prisms::new(&scene.tables);
+    scene.tables.vertices.iter().all(|&vertex| prisms.hold(prisms.local(vertex.into())))
 }
 
 impl<'a> Beams<'a> {
     /// For pictures of this scene.
     pub fn new(scene: &'a Scene) -> Beams<'a> {
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
-        let has_detail = scene.tables.cells.iter().skip(1).any(|cell| cell.root != NONE);
+        let is_whole = scene.tables.cells.len() > 1 && holds_all(scene);
+        let has_detail = !is_whole || scene.tables.cells.iter().skip(1).any(|cell| cell.root != NONE);
         let (near, touched) = Default::default();
         Beams {
             scene,
@@ -67,6 +78,7 @@ impl<'a> Beams<'a> {
             near,
             touched,
             has_detail,
+            is_whole,
         }
     }
 
@@ -95,7 +107,11 @@ impl<'a> Beams<'a> {
         let tables = &self.scene.tables;
         let prisms = Prisms::new(tables);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms);
-        let Place::Air { cell, .. } = self.scene.locate(camera.eye()) else { return counts };
+        // Where the eye is in a solid, every pixel is left to rays.
+        let start = match self.scene.locate(camera.eye()) {
+            Place::Air { cell, .. } => Some(cell),
+            _ => None,
+        };
         self.unsure.clear();
         let mut detail = Detail::new(tables, screen.internal(&prisms));
         let mut first = 0;
@@ -103,7 +119,7 @@ impl<'a> Beams<'a> {
             let end = first + (band.len() / width as usize) as i32;
             self.near.clear();
             self.touched.clear();
-            if self.has_detail {
+            if self.has_detail || start == Some(0) {
                 self.near.resize(band.len(), 0.0);
                 self.touched.resize(band.len() / width as usize, 0);
             }
@@ -128,11 +144,16 @@ impl<'a> Beams<'a> {
                 spans: 0,
             };
             let mut walker = Walker::new(tables, &screen, self.kernels, &mut self.space, &mut canvas);
-            walker.band(width as i32, [first, end], cell);
+            walker.around = if self.is_whole && start != Some(0) { NONE } else { tables.cells[0].root };
+            walker.band(width as i32, [first, end], start);
             counts.spans += canvas.spans;
             counts.triangles += canvas.triangles;
             counts.cells += self.space.cells;
             first = end;
+        }
+        if show == Show::Light {
+            let rays = Rays { scene: self.scene, camera, width, height, start };
+            rays.shade(&self.unsure, pixels, SKY_COLOR);
         }
         counts.unsure = self.unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         counts

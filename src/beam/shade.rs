@@ -56,7 +56,7 @@ pub(super) struct Canvas<'a, 'd> {
 }
 
 /// The colour of a triangle that faces the lamp, at most 255.
-fn color(tables: &Views, triangle: u32) -> [f32; 3] {
+pub(super) fn color(tables: &Views, triangle: u32) -> [f32; 3] {
     let material = tables.record(triangle).material;
     let base = tables.materials.get(material as usize).map_or([1.0; 3], |look| look.base_color);
     base.map(|c| 255.0 * to_srgb(c) * HEADLIGHT.sqrt())
@@ -110,13 +110,13 @@ impl Paint for Canvas<'_, '_> {
             (Seen::Face { source, .. }, Show::Surfaces) => {
                 self.kernels.fill(borders, &mut self.cover, first, &Flat(SOURCE | source));
             }
-            (Seen::Around { .. }, Show::Light) => {
+            (Seen::Nothing, Show::Light) => {
                 self.kernels.fill(borders, &mut self.cover, first, &Flat(self.sky));
             }
-            (Seen::Around { .. }, Show::Surfaces) => {
+            (Seen::Nothing, Show::Surfaces) => {
                 self.kernels.fill(borders, &mut self.cover, first, &Flat(SKY));
             }
-            (Seen::Unsure { .. }, _) => {
+            (Seen::Unsure, _) => {
                 self.kernels.fill(borders, &mut self.cover, first, &Flat(UNSURE));
                 let rows = lo.iter().zip(hi).enumerate().filter(|(_, (lo, hi))| lo < hi);
                 self.unsure.extend(rows.map(|(row, (&lo, &hi))| [first + row as i32, lo, hi]));

@@ -10,7 +10,7 @@ use super::kernels::Kernels;
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, PLAIN, PlaneRecord, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, PlaneRecord, SideRecord};
 use crate::trace::{NONE, Prisms};
 
 /// Beams that are split more often end in doubt: only files made to be slow do that.
@@ -19,12 +19,12 @@ const MOST_TASKS: usize = 1 << 22;
 /// What a region of a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Seen {
-    /// A wall, floor or ceiling of a cell: what it is by its number among the sources, and whether one plane says all of it.
-    Face { source: u32, is_plain: bool, cell: u32, plane: Plane },
-    /// What lies around the prisms.
-    Around { cell: u32 },
+    /// A wall, floor or ceiling of a cell: what it is by its number among the sources.
+    Face { source: u32, plane: Plane },
+    /// Nothing at all.
+    Nothing,
     /// What cells do not tell.
-    Unsure { cell: u32 },
+    Unsure,
 }
 
 /// What becomes of the parts of a picture.
@@ -63,12 +63,13 @@ impl Space {
 
 /// A picture under way.
 pub(super) struct Walker<'a, P> {
-    tables: &'a Views,
     prisms: Prisms<'a>,
     screen: &'a Screen,
     kernels: Kernels,
     space: &'a mut Space,
     paint: &'a mut P,
+    /// The root of what lies around the prisms; or none.
+    pub(super) around: u32,
 }
 
 impl<'a, P: Paint> Walker<'a, P> {
@@ -79,21 +80,25 @@ impl<'a, P: Paint> Walker<'a, P> {
         space: &'a mut Space,
         paint: &'a mut P,
     ) -> Self {
-        Walker { tables, prisms: Prisms::new(tables), screen, kernels, space, paint }
+        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, around: NONE }
     }
 
-    /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye.
-    pub(super) fn band(&mut self, width: i32, [first, end]: [i32; 2], start: u32) {
+    /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye, if one does.
+    pub(super) fn band(&mut self, width: i32, [first, end]: [i32; 2], start: Option<u32>) {
         let region = self.space.arena.begin(width, first, end);
         self.space.tasks.clear();
         self.space.cells = 0;
+        let Some(start) = start else {
+            self.show(region, Seen::Unsure);
+            return;
+        };
         self.push(start, NONE, region);
         let mut count = 0;
         while let Some(task) = self.space.tasks.pop() {
             self.space.arena.forget(task.top);
             count += 1;
             if count > MOST_TASKS {
-                self.show(task.region, Seen::Unsure { cell: task.cell });
+                self.show(task.region, Seen::Unsure);
                 continue;
             }
             self.through(&task);
@@ -129,12 +134,20 @@ impl<'a, P: Paint> Walker<'a, P> {
         self.screen.plane(normal.extend(0.0), normal.dot(eye - a))
     }
 
+    /// What the rays of a region meet around the prisms. No triangle within is met by them, or they would not have come there.
+    fn outside(&mut self, region: Region) {
+        if self.around != NONE {
+            self.paint.detail(&self.space.arena, &region, self.around, &[]);
+        }
+        self.show(region, Seen::Nothing);
+    }
+
     /// What the rays of a region do in a cell.
     fn through(&mut self, task: &Task) {
         let prisms = self.prisms;
         let cell = &prisms.cells[task.cell as usize];
         if cell.kind != CellRecord::AIR {
-            self.show(task.region, Seen::Unsure { cell: task.cell });
+            self.outside(task.region);
             return;
         }
         let sides = prisms.sides_of(cell);
@@ -206,7 +219,7 @@ impl<'a, P: Paint> Walker<'a, P> {
         let count = inside.sides.len();
         let is_exit = |side: usize| inside.planes[side % count].is_exit();
         let Some(first) = (0..count).find(|&side| is_exit(side) && !is_exit(side + count - 1)) else {
-            self.show(inside.task.region, Seen::Unsure { cell: inside.task.cell });
+            self.show(inside.task.region, Seen::Unsure);
             return;
         };
         let mut region = inside.task.region;
@@ -244,7 +257,7 @@ impl<'a, P: Paint> Walker<'a, P> {
         let Some(mut region) = rest else { return };
         let faces = self.prisms.faces_of(&inside.sides[side]);
         for (index, face) in faces.iter().enumerate() {
-            let to = (face.cell, face.source, face.flags);
+            let to = (face.cell, face.source);
             if index + 1 == faces.len() || face.top == NONE {
                 self.leave(inside, &plane, to, region);
                 return;
@@ -260,11 +273,11 @@ impl<'a, P: Paint> Walker<'a, P> {
     /// Rays that leave through a floor or a ceiling, which these cover.
     fn cover(&mut self, inside: &In<'_>, end: &Plane, covers: &[&CoverRecord], region: Region) {
         if let [cover] = covers {
-            self.leave(inside, end, (cover.cell, cover.source, cover.flags), region);
+            self.leave(inside, end, (cover.cell, cover.source), region);
             return;
         }
         let Some((a, b)) = self.parting(covers) else {
-            self.show(region, Seen::Unsure { cell: inside.task.cell });
+            self.show(region, Seen::Unsure);
             return;
         };
         let line = self.upright(a, b).beyond_at(end);
@@ -312,19 +325,22 @@ impl<'a, P: Paint> Walker<'a, P> {
     }
 
     /// Rays that leave a cell through one part of its surface.
-    fn leave(&mut self, inside: &In<'_>, plane: &Plane, to: (u32, u32, u16), region: Region) {
-        let (cell, (beyond, source, flags)) = (inside.task.cell, to);
+    fn leave(&mut self, inside: &In<'_>, plane: &Plane, to: (u32, u32), region: Region) {
+        let (cell, (beyond, source)) = (inside.task.cell, to);
         let next = &self.prisms.cells[beyond as usize];
         let seen = match next.kind {
             CellRecord::SOLID if source != NONE && next.flags & CellRecord::HIDDEN == 0 => {
-                Seen::Face { source, is_plain: flags == PLAIN, cell, plane: *plane }
+                Seen::Face { source, plane: *plane }
             }
             CellRecord::AIR if source == NONE && beyond != inside.task.from => {
                 self.push(beyond, cell, region);
                 return;
             }
-            CellRecord::AROUND if source == NONE => Seen::Around { cell },
-            _ => Seen::Unsure { cell },
+            CellRecord::AROUND if source == NONE => {
+                self.outside(region);
+                return;
+            }
+            _ => Seen::Unsure,
         };
         self.show(region, seen);
     }

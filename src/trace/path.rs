@@ -67,7 +67,7 @@ pub(crate) struct Prisms<'a> {
     surfaces: &'a [u32],
     starts: &'a [u32],
     listed: &'a [u32],
-    pub(super) zone: [[f64; 3]; 2],
+    pub(crate) zone: [[f64; 3]; 2],
     step: [f64; 3],
     dims: [u32; 3],
     origin: [f64; 3],
@@ -218,7 +218,7 @@ impl<'a> Prisms<'a> {
 
     /// Whether `point` (from the lattice's origin) lies in the zone of the prisms.
     #[inline]
-    pub(super) fn hold(&self, point: DVec3) -> bool {
+    pub(crate) fn hold(&self, point: DVec3) -> bool {
         let p = point;
         (0..3).all(|axis| p[axis] >= self.zone[0][axis] && p[axis] <= self.zone[1][axis])
     }

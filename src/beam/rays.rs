@@ -1,0 +1,54 @@
+//! Pixels of which cells do not tell what they show: by a ray each.
+
+use glam::DVec3;
+
+use super::shade::color;
+use crate::render::Camera;
+use crate::scene::Scene;
+use crate::trace::{Hit, NONE, Ray, Starts, Want};
+
+/// Rays that are traced together.
+const TOGETHER: usize = 4096;
+
+/// The rays of a picture.
+pub(super) struct Rays<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) camera: &'a Camera,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// The cell of the eye, if that is in the air.
+    pub(super) start: Option<u32>,
+}
+
+impl Rays<'_> {
+    /// Shades parts of rows, each a row and from where up to where.
+    pub(super) fn shade(&self, parts: &[[i32; 3]], pixels: &mut [u32], sky: u32) {
+        let pinhole = self.camera.pinhole(self.width, self.height);
+        let places = parts.iter().flat_map(|&[row, lo, hi]| (lo..hi).map(move |column| [column, row]));
+        let mut places = places.peekable();
+        let (mut rays, mut at, mut hits) = (Vec::new(), Vec::new(), Vec::new());
+        while places.peek().is_some() {
+            rays.clear();
+            at.clear();
+            for [column, row] in places.by_ref().take(TOGETHER) {
+                rays.push(pinhole.ray(column as u32, row as u32));
+                at.push(row as usize * self.width as usize + column as usize);
+            }
+            hits.clear();
+            hits.resize(rays.len(), Hit::ESCAPED);
+            let starts = self.start.map_or(Starts::Anywhere, Starts::Cell);
+            self.scene.trace_many_of(starts, &rays, &mut hits, Want { triangle: true, ..Want::LEAST });
+            for ((&at, ray), hit) in at.iter().zip(&rays).zip(&hits) {
+                pixels[at] = if hit.element == NONE { sky } else { self.pixel(ray, hit) };
+            }
+        }
+    }
+
+    fn pixel(&self, ray: &Ray, hit: &Hit) -> u32 {
+        let direction = DVec3::from(ray.direction).normalize_or_zero();
+        let bright = direction.dot(DVec3::from(hit.normal)).abs().sqrt() as f32;
+        let [red, green, blue] =
+            color(&self.scene.tables, hit.triangle).map(|c| (c * bright).round().clamp(0.0, 255.0) as u32);
+        red | green << 8 | blue << 16 | 0xff00_0000
+    }
+}
