@@ -10,6 +10,12 @@ use crate::trace::{Hit, NONE, Prisms, Ray, Want};
 /// A pixel whose ray is moved by so many pixels and then meets what the beam says is a tie.
 const TIE: f64 = 1e-2;
 
+/// An eye touches what is so near, metres: there is no one picture of what it touches.
+const TOUCH: f64 = 1e-8;
+
+/// The number of a pixel that nothing was written to.
+const UNWRITTEN: u32 = u32::MAX - 2;
+
 /// How a picture by beams differs from that by rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
@@ -21,6 +27,8 @@ pub struct Differences {
     pub unwritten: u64,
     /// Pixels that show something else than the ray meets, which one within a hundredth of a pixel meets.
     pub ties: u64,
+    /// Pixels that show something else that the eye touches, as it does what the ray meets.
+    pub touching: u64,
     /// Pixels that show something else, no tie: their columns and rows, what the beam shows, and which triangle the ray meets.
     pub wrong: Vec<([u32; 2], Surface, u32)>,
 }
@@ -28,43 +36,68 @@ pub struct Differences {
 impl Beams<'_> {
     /// Compares the picture that `camera` takes with what the ray of each pixel meets.
     pub fn differences(&mut self, camera: &Camera, width: u32, height: u32) -> Differences {
-        const UNWRITTEN: u32 = u32::MAX - 2;
         let mut pixels = vec![UNWRITTEN; width as usize * height as usize];
         self.surfaces(camera, width, &mut pixels);
-        let pinhole = camera.pinhole(width, height);
-        let rays: Vec<Ray> =
-            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pinhole.ray(x, y)).collect();
-        let mut hits = vec![Hit::ESCAPED; rays.len()];
-        self.scene.trace_many(&rays, &mut hits, Want::default());
-        let mut differences = Differences { pixels: pixels.len() as u64, ..Differences::default() };
-        let [_, _, across, down] = pinhole.parts();
-        for ((index, (&pixel, ray)), hit) in pixels.iter().zip(&rays).enumerate().zip(&hits) {
-            if pixel == UNWRITTEN {
-                differences.unwritten += 1;
-                continue;
-            }
-            let surface = Surface::of(pixel);
-            if surface == Surface::Unsure {
-                differences.unsure += 1;
-                continue;
-            }
-            if is_same(self.scene, surface, hit) {
-                continue;
-            }
-            let direction = DVec3::from(ray.direction);
-            let is_tie = (0..8).any(|turn| {
-                let (sin, cos) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
-                let aside = Ray::new(ray.origin, (direction + (across * cos + down * sin) * TIE).to_array());
-                is_same(self.scene, surface, &self.scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
-            });
-            if is_tie {
-                differences.ties += 1;
-            } else {
-                let place = [index as u32 % width, index as u32 / width];
-                differences.wrong.push((place, surface, hit.triangle));
-            }
+        compare(self.scene, camera, width, &pixels)
+    }
+}
+
+/// What a picture of surfaces, so many pixels wide, differs in from what rays meet.
+pub(super) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]) -> Differences {
+    let height = pixels.len() as u32 / width;
+    let pinhole = camera.pinhole(width, height);
+    let rays: Vec<Ray> =
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pinhole.ray(x, y)).collect();
+    let mut hits = vec![Hit::ESCAPED; rays.len()];
+    scene.trace_many(&rays, &mut hits, Want::default());
+    let mut differences = Differences { pixels: pixels.len() as u64, ..Differences::default() };
+    let [_, _, across, down] = pinhole.parts();
+    for ((index, (&pixel, ray)), hit) in pixels.iter().zip(&rays).enumerate().zip(&hits) {
+        if pixel == UNWRITTEN {
+            differences.unwritten += 1;
+            continue;
         }
-        differences
+        let surface = Surface::of(pixel);
+        if surface == Surface::Unsure {
+            differences.unsure += 1;
+            continue;
+        }
+        if is_same(scene, surface, hit) {
+            continue;
+        }
+        let direction = DVec3::from(ray.direction);
+        let is_tie = (0..8).any(|turn| {
+            let (sin, cos) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
+            let aside = Ray::new(ray.origin, (direction + (across * cos + down * sin) * TIE).to_array());
+            is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
+        });
+        let touches =
+            hit.element != NONE && hit.t <= TOUCH && touches(scene, surface, DVec3::from(ray.origin));
+        if touches {
+            differences.touching += 1;
+            continue;
+        }
+        if is_tie {
+            differences.ties += 1;
+        } else {
+            let place = [index as u32 % width, index as u32 / width];
+            differences.wrong.push((place, surface, hit.triangle));
+        }
+    }
+    differences
+}
+
+/// Whether the plane of a surface holds a point.
+fn touches(scene: &Scene, surface: Surface, point: DVec3) -> bool {
+    let holds = |triangle: u32| {
+        let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        normal != DVec3::ZERO && normal.dot(point - a).abs() <= TOUCH
+    };
+    match surface {
+        Surface::Sky | Surface::Unsure => false,
+        Surface::Source(source) => Prisms::new(&scene.tables).triangles_of(source).iter().any(|&t| holds(t)),
+        Surface::Triangle(triangle) => holds(triangle),
     }
 }
 
@@ -77,11 +110,13 @@ fn is_same(scene: &Scene, surface: Surface, hit: &Hit) -> bool {
             let triangles = Prisms::new(&scene.tables).triangles_of(source);
             triangles.contains(&hit.triangle)
         }
-        Surface::Triangle(triangle) => triangle == hit.triangle || {
-            let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            hit.element == scene.triangle_element(triangle)
-                && normal.dot(DVec3::from(hit.point) - a).abs() <= 1e-9
-        },
+        Surface::Triangle(triangle) => {
+            triangle == hit.triangle || {
+                let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                hit.element == scene.triangle_element(triangle)
+                    && normal.dot(DVec3::from(hit.point) - a).abs() <= 1e-9
+            }
+        }
     }
 }

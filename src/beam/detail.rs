@@ -49,13 +49,7 @@ impl<'a> Detail<'a> {
     }
 
     /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
-    pub(super) fn draw(
-        &mut self,
-        region: &Region,
-        root: u32,
-        exits: &[Plane],
-        mut draw: impl FnMut(&Drawn),
-    ) {
+    pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
         let frustum = self.frustum(region);
         self.stack.clear();
         self.stack.push(root);

@@ -11,13 +11,15 @@ mod rows;
 mod screen;
 mod shade;
 mod simd;
+#[cfg(all(test, feature = "compile"))]
+mod tests;
 mod walk;
 
 pub use check::Differences;
 use detail::Detail;
 use kernels::{Cover, Kernels};
-use screen::Screen;
 use rays::Rays;
+use screen::Screen;
 use shade::{Canvas, Show, square};
 use walk::{Space, Walker};
 
@@ -110,7 +112,8 @@ impl<'a> Beams<'a> {
         // Where the eye is in a solid, every pixel is left to rays.
         let start = match self.scene.locate(camera.eye()) {
             Place::Air { cell, .. } => Some(cell),
-            _ => None,
+            Place::Outside => Some(0),
+            Place::InSolid(_) => None,
         };
         self.unsure.clear();
         let mut detail = Detail::new(tables, screen.internal(&prisms));

@@ -307,15 +307,14 @@ impl<'a, P: Paint> Walker<'a, P> {
                 let (mut inner, mut outer) = (0, 0);
                 for other in covers {
                     let sides = self.footprint(other.cell).map(|corner| (b - a).perp_dot(corner - a));
-                    let (least, most) = sides.fold((0f64, 0f64), |(lo, hi), side| (lo.min(side), hi.max(side)));
+                    let (least, most) =
+                        sides.fold((0f64, 0f64), |(lo, hi), side| (lo.min(side), hi.max(side)));
                     inner += usize::from(most > 0.0);
                     outer += usize::from(least < 0.0);
                 }
                 let larger = inner.max(outer);
                 let split = inner + outer;
-                if inner > 0
-                    && larger < covers.len()
-                    && best.is_none_or(|(known, _)| (split, larger) < known)
+                if inner > 0 && larger < covers.len() && best.is_none_or(|(known, _)| (split, larger) < known)
                 {
                     best = Some(((split, larger), (a, b)));
                 }

@@ -23,9 +23,9 @@ mod stand;
 mod views;
 mod write;
 
-pub(crate) use color::to_srgb;
 pub use camera::{Camera, CameraError, Pinhole};
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
+pub(crate) use color::to_srgb;
 pub use color::{
     ColorMode, UnknownColorMode, cell_color, element_color, face_color, face_legend, ramp, room_color,
     semantic_color, semantic_legend,

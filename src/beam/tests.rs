@@ -1,0 +1,259 @@
+//! Pictures by beams against those by rays, and what each pixel is written by.
+
+use proptest::prelude::*;
+
+use super::kernels::Kernels;
+use super::rows::{Arena, Line, Region};
+use super::screen::{Plane, Screen};
+use super::walk::{Paint, Seen, Space, Walker};
+use super::{Beams, Differences, Surface};
+use crate::generate::{
+    Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random,
+    round_room, tower,
+};
+use crate::render::{Camera, room_views};
+use crate::trace::{Kernel, NONE, Place, Prisms};
+use crate::{CompileOptions, Scene, compile};
+
+/// Even, so that no ray goes straight ahead, along planes that the eye is in the middle between.
+const SIZE: [u32; 2] = [204, 132];
+
+fn scene(building: &Building) -> Scene {
+    let model = building.export(&Style::default()).to_model().unwrap();
+    compile(&model, &CompileOptions::default()).unwrap().scene()
+}
+
+fn scenes() -> Vec<(String, Scene)> {
+    let mut scenes = vec![
+        ("house".to_owned(), scene(&house(&HouseOptions::default()))),
+        ("build1".to_owned(), scene(&build1(&OfficeOptions::default()))),
+        ("round room".to_owned(), scene(&round_room(&RoundRoomOptions::default()))),
+        ("tower".to_owned(), scene(&tower(&TowerOptions { storeys: 3, ..TowerOptions::default() }))),
+    ];
+    scenes.extend((0..6).map(|seed| {
+        (format!("random {seed}"), scene(&random(&OfficeOptions { seed, ..OfficeOptions::default() })))
+    }));
+    scenes
+}
+
+/// Level views, and from the same eyes up, down and askew.
+fn views(scene: &Scene, most: usize) -> Vec<Camera> {
+    let level = room_views(scene, 2);
+    let step = level.len().div_ceil(most).max(1);
+    let looks = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, -0.3, -0.9], [1.0, 0.0, 0.0]];
+    let mut views = Vec::new();
+    for (index, camera) in level.into_iter().step_by(step).enumerate() {
+        let look = looks[index % looks.len()];
+        views.push(Camera::looking(camera.eye(), look, [0.0, 0.0, 1.0], 100.0).unwrap());
+        views.push(camera);
+    }
+    views
+}
+
+fn sum(beams: &mut Beams<'_>, views: &[Camera]) -> Differences {
+    let [width, height] = SIZE;
+    views.iter().fold(Differences::default(), |mut sum, camera| {
+        let one = beams.differences(camera, width, height);
+        sum.pixels += one.pixels;
+        sum.unsure += one.unsure;
+        sum.unwritten += one.unwritten;
+        sum.ties += one.ties;
+        sum.touching += one.touching;
+        sum.wrong.extend(one.wrong);
+        sum
+    })
+}
+
+#[test]
+fn pixels_show_what_rays_meet() {
+    for (name, scene) in scenes() {
+        let sum = sum(&mut Beams::new(&scene), &views(&scene, 12));
+        assert!(sum.pixels > 0, "{name}");
+        assert_eq!(sum.unwritten, 0, "{name}");
+        assert!(sum.unsure * 1000 <= sum.pixels, "{name}: {} unsure of {}", sum.unsure, sum.pixels);
+        assert!(sum.ties * 50_000 <= sum.pixels, "{name}: {} ties of {}", sum.ties, sum.pixels);
+        assert!(sum.wrong.is_empty(), "{name}: {} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
+    }
+}
+
+#[test]
+fn differences_are_seen() {
+    let scene = scene(&house(&HouseOptions::default()));
+    let [width, height] = SIZE;
+    let camera = views(&scene, 1)[1];
+    let mut beams = Beams::new(&scene);
+    // What the beams of another view show is not what rays of this one meet.
+    let mut pixels = vec![0; (width * height) as usize];
+    beams.surfaces(&views(&scene, 2)[3], width, &mut pixels);
+    let differences = super::check::compare(&scene, &camera, width, &pixels);
+    assert!(differences.wrong.len() > 1000, "{}", differences.wrong.len());
+}
+
+#[test]
+fn eyes_in_planes_and_on_corners() {
+    for (name, scene) in scenes().into_iter().take(6) {
+        let prisms = Prisms::new(&scene.tables);
+        let (mut eyes, mut views) = (Vec::new(), Vec::new());
+        for cell in prisms.cells.iter().skip(1) {
+            let sides = prisms.sides_of(cell);
+            let [a, b] = [sides[0].start, sides[1].start].map(|c| glam::DVec2::from(c.map(f64::from)));
+            let floor = prisms.height(cell.floor, a);
+            let middle = (floor + prisms.height(cell.ceiling, a)) / 2.0;
+            // On an edge, in a side's plane, on a corner.
+            eyes.extend([a.extend(middle), ((a + b) / 2.0).extend(middle), a.extend(floor)]);
+        }
+        let step = (eyes.len() / 40).max(1);
+        for (index, &eye) in eyes.iter().step_by(step).enumerate() {
+            let eye = prisms.global(eye).to_array();
+            if matches!(scene.locate(eye), Place::Air { .. }) {
+                let way = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [0.3, 0.9, 0.2]][index % 4];
+                views.push(Camera::looking(eye, way, [0.0, 0.0, 1.0], 90.0).unwrap());
+            }
+        }
+        assert!(views.len() > 5, "{name}: {} eyes", views.len());
+        let sum = sum(&mut Beams::new(&scene), &views);
+        assert_eq!(sum.unwritten, 0, "{name}");
+        assert!(sum.wrong.len() as u64 * 5_000 <= sum.pixels, "{name}: {:?}", &sum.wrong[..3]);
+    }
+}
+
+#[test]
+fn kernels_agree() {
+    let [width, height] = SIZE;
+    for (name, scene) in scenes().into_iter().take(5) {
+        for camera in views(&scene, 6) {
+            let shown: Vec<Vec<u32>> = Kernel::available()
+                .into_iter()
+                .map(|kernel| {
+                    let mut pixels = vec![0; (width * height) as usize];
+                    Beams::new(&scene).with_kernel(kernel).surfaces(&camera, width, &mut pixels);
+                    pixels
+                })
+                .collect();
+            assert!(shown.iter().all(|pixels| *pixels == shown[0]), "{name}");
+        }
+    }
+}
+
+/// Counts how often each pixel is painted.
+struct Count {
+    width: usize,
+    counts: Vec<u32>,
+}
+
+impl Paint for Count {
+    fn paint(&mut self, arena: &Arena, region: &Region, _: &Seen) {
+        let [lo, hi] = arena.borders(region);
+        for (row, (&lo, &hi)) in (region.rows[0]..).zip(lo.iter().zip(hi)) {
+            for column in lo..hi {
+                self.counts[row as usize * self.width + column as usize] += 1;
+            }
+        }
+    }
+
+    fn detail(&mut self, _: &Arena, _: &Region, _: u32, _: &[Plane]) {}
+}
+
+#[test]
+fn each_pixel_is_painted_once() {
+    let [width, height] = SIZE;
+    for (name, scene) in scenes() {
+        let prisms = Prisms::new(&scene.tables);
+        for camera in views(&scene, 10) {
+            let screen = Screen::new(&camera.pinhole(width, height), &prisms);
+            let Place::Air { cell, .. } = scene.locate(camera.eye()) else { continue };
+            let mut count = Count { width: width as usize, counts: vec![0; (width * height) as usize] };
+            let mut space = Space::new();
+            let kernels = Kernels(Kernel::best());
+            let mut walker = Walker::new(&scene.tables, &screen, kernels, &mut space, &mut count);
+            for first in (0..height as i32).step_by(50) {
+                walker.band(width as i32, [first, (first + 50).min(height as i32)], Some(cell));
+            }
+            assert!(count.counts.iter().all(|&count| count == 1), "{name}");
+        }
+    }
+}
+
+#[test]
+fn bands_do_not_matter() {
+    let [width, _] = SIZE;
+    let scene = scene(&build1(&OfficeOptions::default()));
+    let mut beams = Beams::new(&scene);
+    for camera in views(&scene, 4) {
+        // More rows than a band has, so that the second band begins within.
+        let height = super::BAND as u32 + 77;
+        let mut pixels = vec![0; (width * height) as usize];
+        beams.surfaces(&camera, width, &mut pixels);
+        let differences = super::check::compare(&scene, &camera, width, &pixels);
+        assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
+    }
+}
+
+#[test]
+fn from_outside_and_from_within_a_solid() {
+    let scene = scene(&house(&HouseOptions::default()));
+    let [lo, hi] = scene.hull();
+    let middle = [0, 1, 2].map(|i| (lo[i] + hi[i]) / 2.0);
+    let eye = [lo[0] - 9.0, lo[1] - 7.0, hi[2] + 3.0];
+    let outside = Camera::look_at(eye, middle, [0.0, 0.0, 1.0], 60.0).unwrap();
+    let [width, height] = SIZE;
+    let differences = Beams::new(&scene).differences(&outside, width, height);
+    assert_eq!((differences.unwritten, differences.unsure), (0, 0));
+    assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
+    let mut pixels = vec![0; (width * height) as usize];
+    let wall = scene.triangle(0).map(glam::DVec3::from);
+    let within = (wall[0] + wall[1] + wall[2]) / 3.0;
+    let camera = Camera::looking(within.to_array(), [1.0, 0.2, 0.1], [0.0, 0.0, 1.0], 60.0).unwrap();
+    Beams::new(&scene).paint(&camera, width, &mut pixels);
+    assert!(pixels.iter().all(|&pixel| pixel >> 24 == 0xff));
+}
+
+#[test]
+fn numbers_say_what_pixels_show() {
+    assert_eq!(Surface::of(7), Surface::Triangle(7));
+    assert_eq!(Surface::of(super::shade::SOURCE | 9), Surface::Source(9));
+    assert_eq!(Surface::of(super::shade::SKY), Surface::Sky);
+    assert_eq!(Surface::of(super::shade::UNSURE), Surface::Unsure);
+    assert_ne!(NONE, super::shade::UNSURE);
+}
+
+proptest! {
+    #[test]
+    fn lines_split_regions(lines in prop::collection::vec([-3.0f64..3.0, -3.0f64..3.0, -200.0f64..200.0], 1..6)) {
+        let (width, rows) = (67, [5, 49]);
+        for kernel in Kernel::available() {
+            let mut arena = Arena::new();
+            let mut regions = vec![arena.begin(width, rows[0], rows[1])];
+            let mut known: Vec<Vec<(f64, bool)>> = vec![vec![]];
+            for &line in &lines {
+                let mut parts = (Vec::new(), Vec::new());
+                for (region, told) in regions.iter().zip(&known) {
+                    let (above, below) = arena.split(&Kernels(kernel), *region, Line(line));
+                    for (part, side) in [(above, true), (below, false)] {
+                        if let Some(part) = part {
+                            parts.0.push(part);
+                            parts.1.push(told.iter().copied().chain([(0.0, side)]).collect());
+                        }
+                    }
+                }
+                (regions, known) = parts;
+            }
+            let mut counts = vec![0; (width * rows[1]) as usize];
+            for (region, told) in regions.iter().zip(&known) {
+                let [lo, hi] = arena.borders(region);
+                for (row, (&lo, &hi)) in (region.rows[0]..).zip(lo.iter().zip(hi)) {
+                    for column in lo..hi {
+                        prop_assert!(column >= region.columns[0] && column < region.columns[1]);
+                        counts[(row * width + column) as usize] += 1;
+                        for (line, &(_, side)) in lines.iter().zip(told) {
+                            let value = line[0] * f64::from(column) + line[1] * f64::from(row) + line[2];
+                            prop_assert!(value.abs() < 1e-9 || (value > 0.0) == side);
+                        }
+                    }
+                }
+            }
+            let inside = &counts[(rows[0] * width) as usize..];
+            prop_assert!(inside.iter().all(|&count| count == 1));
+        }
+    }
+}
