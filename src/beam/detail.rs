@@ -10,13 +10,16 @@ use super::kernels::{Bound, Deep};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
-use crate::format::records::{LANES, Leaf, NodeRecord};
+use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord};
 
 /// Boxes are this much larger, metres: what f32 rounds.
 const SLACK: f32 = 1e-3;
 
 /// A corner that is this much farther outside of a cell, metres, is outside.
 const OUTSIDE: f64 = 1e-6;
+
+/// What rounding may do to where a corner is in the picture, pixels.
+const ROUNDED: f64 = 1e-6;
 
 /// A corner nearer than this in front of the eye, in units of the ray, has no place in the picture.
 const FRONT: f64 = 1e-6;
@@ -38,6 +41,8 @@ pub(super) struct Drawn {
     pub(super) triangle: u32,
     /// The rows that it may reach.
     pub(super) rows: [i32; 2],
+    /// Along the internal frame's axes, unit length.
+    pub(super) normal: DVec3,
     pub(super) deep: Deep,
 }
 
@@ -68,14 +73,23 @@ impl<'a> Detail<'a> {
             }
             let leaf = Leaf::new(link);
             let block = &self.tables.blocks[leaf.block()];
-            for lane in leaf.lanes() {
-                // Triangles that rays are not to meet are no numbers.
-                if block.triangle[lane] == u32::MAX || block.corner[0][lane].is_nan() {
-                    continue;
-                }
+            // Triangles that rays are not to meet are no numbers: they reach nowhere.
+            let mut seen = leaf.mask() & triangles_reach(block, self.eye, &frustum);
+            while seen != 0 {
+                let lane = seen.trailing_zeros() as usize;
+                seen &= seen - 1;
                 if let Some(drawn) = self.triangle(block.triangle[lane], region, exits) {
                     draw(&drawn);
                 }
+            }
+        }
+    }
+
+    /// Gives `draw` those of some triangles that may show in a region.
+    pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], mut draw: impl FnMut(&Drawn)) {
+        for &triangle in triangles {
+            if let Some(drawn) = self.triangle(triangle, region, &[]) {
+                draw(&drawn);
             }
         }
     }
@@ -102,16 +116,16 @@ impl<'a> Detail<'a> {
         let [a, b, c] = world.map(|v| self.camera * v);
         let mut rows = region.rows;
         if a.z > FRONT && b.z > FRONT && c.z > FRONT {
-            let [ya, yb, yc] = [a, b, c].map(|v| v.y / v.z);
-            let (least, most) = (ya.min(yb).min(yc), ya.max(yb).max(yc));
-            rows[0] = rows[0].max((least - 1e-6).ceil().max(-1e9) as i32);
-            rows[1] = rows[1].min((most + 1e-6).floor().min(1e9) as i32 + 1);
-            let [xa, xb, xc] = [a, b, c].map(|v| v.x / v.z);
-            let (least, most) = (xa.min(xb).min(xc), xa.max(xb).max(xc));
+            let [inverse_a, inverse_b, inverse_c] = [a, b, c].map(|v| 1.0 / v.z);
+            let [ya, yb, yc] = [a.y * inverse_a, b.y * inverse_b, c.y * inverse_c];
+            rows[0] = rows[0].max(up(ya.min(yb).min(yc) - ROUNDED));
+            rows[1] = rows[1].min(up(ya.max(yb).max(yc) + ROUNDED));
+            let [xa, xb, xc] = [a.x * inverse_a, b.x * inverse_b, c.x * inverse_c];
+            let columns = [up(xa.min(xb).min(xc) - ROUNDED), up(xa.max(xb).max(xc) + ROUNDED)];
             if rows[0] >= rows[1]
-                || (least - 1e-6).ceil() >= f64::from(region.columns[1])
-                || most + 1e-6 < f64::from(region.columns[0])
-                || (least - 1e-6).ceil() > most + 1e-6
+                || columns[0] >= columns[1]
+                || columns[0] >= region.columns[1]
+                || columns[1] <= region.columns[0]
             {
                 return None;
             }
@@ -132,7 +146,7 @@ impl<'a> Detail<'a> {
         let mut count = 3;
         for exit in exits.iter().filter(|exit| exit.is_exit()) {
             let grows = DVec3::from(exit.grows);
-            let limit = OUTSIDE * exit.normal.length();
+            let limit = OUTSIDE * exit.size;
             if [a, b, c].iter().any(|&v| exit.away + grows.dot(v) > limit) {
                 if count == Deep::BOUNDS {
                     break;
@@ -145,9 +159,32 @@ impl<'a> Detail<'a> {
             return None;
         }
         let normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
-        let grows = self.screen.along(normal).map(|c| c as f32);
-        Some(Drawn { triangle, rows, deep: Deep { bounds, count, near: near.to_array(), grows } })
+        Some(Drawn { triangle, rows, normal, deep: Deep { bounds, count, near: near.to_array() } })
     }
+}
+
+/// Rounded up; what cannot be told is held within what numbers there are.
+#[inline(always)]
+fn up(x: f64) -> i32 {
+    let down = x as i32;
+    down.saturating_add(i32::from(f64::from(down) < x))
+}
+
+/// The triangles of a block that reach into all of the half-spaces, triangle i as bit i.
+#[inline(always)]
+fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
+    let mut inside = [true; LANES];
+    for normal in frustum {
+        let limit = normal.dot(eye) - SLACK;
+        for lane in 0..LANES {
+            let along = |of: &[[f32; LANES]; 3]| {
+                normal.x * of[0][lane] + normal.y * of[1][lane] + normal.z * of[2][lane]
+            };
+            let most = along(&block.edge1).max(along(&block.edge2)).max(0.0);
+            inside[lane] &= along(&block.corner) + most >= limit;
+        }
+    }
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
 }
 
 /// The children of a node that reach into all of the half-spaces, child i as bit i.

@@ -1,17 +1,15 @@
-//! The loops over rows and pixels, compiled for what the CPU has.
+//! The loops over rows and pixels.
 
 use glam::DVec3;
 
 use super::shade::Shading;
 use super::simd;
+use super::wide::{ALL, Columns, ROWS, WIDE, Wide};
 use crate::trace::Kernel;
 
 /// What the CPU has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernels(pub(super) Kernel);
-
-/// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.
-const MAGIC: f64 = 6_755_399_441_055_744.0;
 
 impl Kernels {
     /// The border in each row from the `first` on: the first column that is not left of a line, held between the row's own borders. The line is at `start`
@@ -33,7 +31,7 @@ impl Kernels {
         simd::fill(self.0, borders, cover, first, tint);
     }
 
-    /// Draws a triangle between the borders of rows, the first of which is the row `first` of the picture. Returns how many pixels it was the nearest of.
+    /// Draws a triangle between the borders of rows, the first of which is the row `first` of the picture.
     #[inline]
     pub(super) fn draw<T: Tint>(
         self,
@@ -42,8 +40,8 @@ impl Kernels {
         first: i32,
         deep: &Deep,
         tint: &T,
-    ) -> u32 {
-        simd::draw(self.0, borders, cover, first, deep, tint)
+    ) {
+        simd::draw(self.0, borders, cover, first, deep, tint);
     }
 }
 
@@ -52,8 +50,8 @@ pub(super) trait Tint {
     /// What is the same for all pixels of a row.
     fn row(&self, y: f32) -> [f32; 2];
 
-    /// The pixel of a column.
-    fn pixel(&self, row: [f32; 2], x: f32) -> u32;
+    /// The pixels of some columns.
+    fn pixels<W: Wide>(&self, row: [f32; 2], columns: W) -> W::Words;
 }
 
 /// All pixels become the same.
@@ -66,8 +64,8 @@ impl Tint for Flat {
     }
 
     #[inline(always)]
-    fn pixel(&self, _: [f32; 2], _: f32) -> u32 {
-        self.0
+    fn pixels<W: Wide>(&self, _: [f32; 2], _: W) -> W::Words {
+        W::words(self.0)
     }
 }
 
@@ -80,48 +78,49 @@ impl Tint for Shading {
     }
 
     #[inline(always)]
-    fn pixel(&self, [grows, square]: [f32; 2], x: f32) -> u32 {
-        let cosine = (self.grows[0] * x + grows).abs();
-        let size = (self.square[4] * x + self.square[1]) * x + square;
-        let bright = (cosine / size.sqrt()).sqrt();
-        let [red, green, blue] = self.color;
-        byte(red * bright) | byte(green * bright) << 8 | byte(blue * bright) << 16 | 0xff00_0000
+    fn pixels<W: Wide>(&self, [grows, square]: [f32; 2], columns: W) -> W::Words {
+        /// Its root is no number that could be seen, and can be divided by.
+        const DARK: f32 = 1e-12;
+        let cosine = columns.mul_add(W::splat(self.grows[0]), W::splat(grows)).abs();
+        let size = columns.mul_add(W::splat(self.square[4]), W::splat(self.square[1]));
+        let size = size.mul_add(columns, W::splat(square));
+        let bright = cosine.mul_add(size.inverse_root(), W::splat(DARK));
+        let bright = bright.mul(bright.inverse_root());
+        let [red, green, blue] = self.color.map(|c| bright.mul(W::splat(c)));
+        W::bytes(red, green, blue)
     }
 }
 
-/// Adding this to a small number that is not negative leaves it, rounded, in the lowest bits.
-const MAGIC_BYTE: f32 = 8_388_608.0;
-
-/// A number that is no more than 255, rounded: conversions are not done side by side.
 #[inline(always)]
-fn byte(value: f32) -> u32 {
-    (value + MAGIC_BYTE).to_bits() & 0xff
-}
-
-/// The number rounded up, and held within what columns may be.
-#[inline(always)]
-fn first_not_left(column: f64) -> i32 {
-    let column = column.max(-1e9).min(1e9);
-    let nearest = (column + MAGIC) - MAGIC;
-    let up = if nearest < column { 1.0 } else { 0.0 };
-    ((nearest + up) + MAGIC).to_bits() as i32
-}
-
-#[inline(always)]
-pub(super) fn split(
+pub(super) fn split<W: Wide>(
     [lo, hi]: [&[i32]; 2],
     border: &mut [i32],
     first: i32,
     [slope, start]: [f64; 2],
 ) -> [i32; 2] {
-    let (mut least, mut most) = (i32::MAX, i32::MIN);
-    for (row, ((border, &lo), &hi)) in border.iter_mut().zip(lo).zip(hi).enumerate() {
-        let column = first_not_left(start + slope * f64::from(first + row as i32));
-        *border = column.min(hi).max(lo);
-        least = least.min(*border);
-        most = most.max(*border);
+    let (mut least, mut most) = (W::Columns::load(&[i32::MAX; ROWS]), W::Columns::load(&[i32::MIN; ROWS]));
+    let (borders, rest) = border.as_chunks_mut::<ROWS>();
+    let ((los, lo_rest), (his, hi_rest)) = (lo.as_chunks::<ROWS>(), hi.as_chunks::<ROWS>());
+    let mut row = first;
+    for ((border, lo), hi) in borders.iter_mut().zip(los).zip(his) {
+        let column = W::Columns::not_left(slope, start, row);
+        let column = column.min(W::Columns::load(hi)).max(W::Columns::load(lo));
+        (least, most) = (least.min(column), most.max(column));
+        *border = column.store();
+        row += ROWS as i32;
     }
-    [least, most]
+    if !rest.is_empty() {
+        let count = rest.len();
+        // The last row again and again, so that there are eight.
+        let eight = |from: &[i32]| std::array::from_fn(|i| from[i.min(count - 1)]);
+        let (lo, hi) = (W::Columns::load(&eight(lo_rest)), W::Columns::load(&eight(hi_rest)));
+        let column = W::Columns::not_left(slope, start, row).min(hi).max(lo).store();
+        rest.copy_from_slice(&column[..count]);
+        let column = W::Columns::load(&eight(&column));
+        (least, most) = (least.min(column), most.max(column));
+    }
+    let (least, most) = (least.store(), most.store());
+    [least.into_iter().fold(i32::MAX, i32::min), most.into_iter().fold(i32::MIN, i32::max)]
 }
 
 /// A line of the picture as a border of rows: the first column that is not left of it is `start + slope * row`, rounded up.
@@ -138,6 +137,7 @@ impl Bound {
     pub(super) const NONE: Bound = Bound { slope: 0.0, start: -1e9, is_left: false };
 
     /// The border of a line's positive side. Where the line runs along the rows, it is `rows` that are bounded.
+    #[inline(always)]
     pub(super) fn new(line: DVec3, rows: &mut [i32; 2]) -> Bound {
         let (slope, start) = (-line.y / line.x, -line.z / line.x);
         if slope.is_finite() && start.is_finite() {
@@ -160,101 +160,174 @@ pub(super) struct Deep {
     pub(super) count: usize,
     /// `1 / t`: how it grows with column and row, and in the first pixel.
     pub(super) near: [f64; 3],
-    /// As [`Shading::grows`].
-    pub(super) grows: [f32; 3],
 }
 
 impl Deep {
     pub(super) const BOUNDS: usize = 8;
 }
 
-/// Rows of a picture being made.
+/// A triangle must be nearer by this share to be seen before another: surfaces that lie on each other show the one that comes first in
+/// all their pixels, whatever f32 rounds.
+const NEARER: f32 = 1.0 + 4e-7;
+
+/// Rows of a picture being made, each from left to right in blocks of [`WIDE`] pixels, of which the last may not be whole.
 pub(super) struct Cover<'a> {
     pub(super) width: usize,
     /// The first row.
     pub(super) top: i32,
     pub(super) pixels: &'a mut [u32],
-    /// `1 / t` of the detail that each pixel shows, 0 where it shows none; empty where there is none at all.
-    pub(super) near: &'a mut [f32],
-    /// Which blocks of columns of each row show any.
-    pub(super) touched: &'a mut [u64],
-    /// The logarithm of how many columns a block has.
-    pub(super) block: u32,
+    /// `1 / t` of the detail that each pixel shows, 0 where it shows none, by block; holds only where that shows any.
+    pub(super) near: &'a mut [[f32; WIDE]],
+    /// Whether each block shows any detail.
+    pub(super) touched: &'a mut [bool],
+    /// Whether each row does.
+    pub(super) rows: &'a mut [bool],
 }
 
-#[inline(always)]
-fn blocks([lo, hi]: [i32; 2], block: u32) -> u64 {
-    let (first, last) = (lo >> block, (hi - 1) >> block);
-    (u64::MAX << first) & (u64::MAX >> (63 - last))
+impl Cover<'_> {
+    /// Blocks in a row.
+    pub(super) fn blocks(width: usize) -> usize {
+        width.div_ceil(WIDE)
+    }
+
+    /// Whether detail is seen in a pixel.
+    pub(super) fn is_taken(&self, row: i32, column: i32) -> bool {
+        let block = (row - self.top) as usize * Cover::blocks(self.width) + column as usize / WIDE;
+        self.touched[block] && self.near[block][column as usize % WIDE] != 0.0
+    }
 }
 
+/// Which of the sixteen columns of a block are from one up to another.
 #[inline(always)]
-pub(super) fn fill<T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) {
-    for (index, (&lo, &hi)) in lo.iter().zip(hi).enumerate() {
-        if lo >= hi {
-            continue;
+fn between(block: usize, lo: i32, hi: i32) -> u32 {
+    let first = (block * WIDE) as i32;
+    let (from, to) = ((lo - first).max(0) as u32, (hi - first).min(WIDE as i32) as u32);
+    (ALL << from) & ALL & (ALL >> (WIDE as u32 - to))
+}
+
+/// Writes pixels of one block of a row.
+#[inline(always)]
+fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
+    let from = block * WIDE;
+    if let Some(pixels) = line.get_mut(from..from + WIDE).and_then(|part| part.as_mut_array::<WIDE>()) {
+        if mask == ALL {
+            W::put_all(words, pixels);
+        } else {
+            W::put_words(words, mask, pixels);
         }
-        let row = first + index as i32;
-        let below = (row - cover.top) as usize;
-        let range = below * cover.width + lo as usize..below * cover.width + hi as usize;
-        let same = tint.row(row as f32);
-        let Some(pixels) = cover.pixels.get_mut(range.clone()) else { continue };
-        let touched = cover.touched.get(below).is_some_and(|t| t & blocks([lo, hi], cover.block) != 0);
-        if !touched {
-            for (index, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = tint.pixel(same, (lo + index as i32) as f32);
-            }
-            continue;
-        }
-        let Some(near) = cover.near.get(range) else { continue };
-        for (index, (pixel, &near)) in pixels.iter_mut().zip(near).enumerate() {
-            let tinted = tint.pixel(same, (lo + index as i32) as f32);
-            *pixel = if near == 0.0 { tinted } else { *pixel };
-        }
+    } else if let Some(part) = line.get_mut(from..) {
+        let mut pixels = [0; WIDE];
+        pixels[..part.len()].copy_from_slice(part);
+        W::put_words(words, mask, &mut pixels);
+        part.copy_from_slice(&pixels[..part.len()]);
     }
 }
 
 #[inline(always)]
-pub(super) fn draw<T: Tint>(
+pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) {
+    let (width, blocks) = (cover.width, Cover::blocks(cover.width));
+    let below = (first - cover.top) as usize;
+    let lines = cover.pixels.chunks_mut(width).zip(cover.rows.iter()).enumerate().skip(below);
+    for (((below, (line, &touched)), &lo), &hi) in lines.zip(lo).zip(hi) {
+        if lo >= hi {
+            continue;
+        }
+        let same = tint.row((cover.top + below as i32) as f32);
+        let (from, to) = (lo as usize / WIDE, (hi as usize - 1) / WIDE);
+        let mut columns = W::splat((from * WIDE) as f32).add(W::count());
+        let step = W::splat(WIDE as f32);
+        if touched {
+            let known = below * blocks..(below + 1) * blocks;
+            let (nears, touched) = (&cover.near[known.clone()], &cover.touched[known]);
+            for block in from..=to {
+                let mut mask = between(block, lo, hi);
+                if touched[block] {
+                    mask &= W::load(&nears[block]).zero();
+                }
+                if mask != 0 {
+                    put::<W>(line, block, tint.pixels(same, columns), mask);
+                }
+                columns = columns.add(step);
+            }
+            continue;
+        }
+        put::<W>(line, from, tint.pixels(same, columns), between(from, lo, hi));
+        if from == to {
+            continue;
+        }
+        let (whole, _) = line.as_chunks_mut::<WIDE>();
+        for block in &mut whole[from + 1..to] {
+            columns = columns.add(step);
+            W::put_all(tint.pixels(same, columns), block);
+        }
+        columns = columns.add(step);
+        put::<W>(line, to, tint.pixels(same, columns), between(to, lo, hi));
+    }
+}
+
+#[inline(always)]
+pub(super) fn draw<W: Wide, T: Tint>(
     [lo, hi]: [&[i32]; 2],
     cover: &mut Cover<'_>,
     first: i32,
     deep: &Deep,
     tint: &T,
-) -> u32 {
-    let mut taken = 0;
-    for (index, (&lo, &hi)) in lo.iter().zip(hi).enumerate() {
-        let row = first + index as i32;
-        let (mut lo, mut hi) = (lo, hi);
+) {
+    let mut row = first;
+    for (lo, hi) in lo.chunks(ROWS).zip(hi.chunks(ROWS)) {
+        let count = lo.len();
+        // Rows that are not there are empty.
+        let eight = |from: &[i32]| {
+            <[i32; ROWS]>::try_from(from).unwrap_or_else(|_| {
+                let mut out = [0; ROWS];
+                out[..count].copy_from_slice(from);
+                out
+            })
+        };
+        let (mut lo, mut hi) = (W::Columns::load(&eight(lo)), W::Columns::load(&eight(hi)));
         for bound in &deep.bounds[..deep.count] {
-            let column = first_not_left(bound.start + bound.slope * f64::from(row));
+            let column = W::Columns::not_left(bound.slope, bound.start, row);
             if bound.is_left { hi = hi.min(column) } else { lo = lo.max(column) }
         }
-        if lo >= hi {
-            continue;
+        let mut rest = lo.less(hi);
+        let (lo, hi) = (lo.store(), hi.store());
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize % ROWS;
+            rest &= rest - 1;
+            draw_row::<W, T>(cover, row + i as i32, [lo[i], hi[i]], deep, tint);
         }
-        let below = (row - cover.top) as usize;
-        let range = below * cover.width + lo as usize..below * cover.width + hi as usize;
-        let (Some(pixels), Some(depths)) = (cover.pixels.get_mut(range.clone()), cover.near.get_mut(range))
-        else {
-            continue;
-        };
-        let same = tint.row(row as f32);
-        let near = (deep.near[0] * f64::from(lo) + deep.near[1] * f64::from(row) + deep.near[2]) as f32;
-        let step = deep.near[0] as f32;
-        let mut nearer = 0;
-        for (index, (pixel, depth)) in pixels.iter_mut().zip(depths).enumerate() {
-            let tinted = tint.pixel(same, (lo + index as i32) as f32);
-            let near = near + step * index as i32 as f32;
-            let is_nearer = near > *depth;
-            *pixel = if is_nearer { tinted } else { *pixel };
-            *depth = if is_nearer { near } else { *depth };
-            nearer += u32::from(is_nearer);
-        }
-        taken += nearer;
-        if nearer > 0 {
-            cover.touched[below] |= blocks([lo, hi], cover.block);
-        }
+        row += ROWS as i32;
     }
-    taken
+}
+
+/// Draws a triangle in one row, from one column up to another.
+#[inline(always)]
+fn draw_row<W: Wide, T: Tint>(cover: &mut Cover<'_>, row: i32, [lo, hi]: [i32; 2], deep: &Deep, tint: &T) {
+    let (width, blocks) = (cover.width, Cover::blocks(cover.width));
+    let below = (row - cover.top) as usize;
+    let line = &mut cover.pixels[below * width..(below + 1) * width];
+    let known = below * blocks..(below + 1) * blocks;
+    let (nears, touched) = (&mut cover.near[known.clone()], &mut cover.touched[known]);
+    cover.rows[below] = true;
+    let same = tint.row(row as f32);
+    let start = deep.near[1] * f64::from(row) + deep.near[2];
+    let step = W::splat(deep.near[0] as f32);
+    for block in lo as usize / WIDE..=(hi as usize - 1) / WIDE {
+        let left = (block * WIDE) as f64;
+        let near = W::count().mul_add(step, W::splat((deep.near[0] * left + start) as f32));
+        let mut mask = between(block, lo, hi);
+        let known = &mut nears[block];
+        if touched[block] {
+            mask &= near.greater(W::load(known).mul(W::splat(NEARER)));
+            if mask == 0 {
+                continue;
+            }
+            near.put(mask, known);
+        } else {
+            touched[block] = true;
+            near.put_or_zero(mask, known);
+        }
+        let columns = W::splat(left as f32).add(W::count());
+        put::<W>(line, block, tint.pixels(same, columns), mask);
+    }
 }

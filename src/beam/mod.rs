@@ -3,9 +3,14 @@
 //! A picture is one beam from the eye. In each convex cell a beam is split by straight lines of the picture into those that leave
 //! through each face, kept as one interval of columns a row, and follows the portals (see `docs/BEAMS.md`).
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod check;
 mod detail;
 mod kernels;
+mod parting;
 mod rays;
 mod rows;
 mod screen;
@@ -14,27 +19,32 @@ mod simd;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
 mod walk;
+mod wide;
+
+use std::sync::{Mutex, PoisonError};
 
 pub use check::Differences;
 use detail::Detail;
 use kernels::{Cover, Kernels};
+use parting::Partings;
 use rays::Rays;
 use screen::Screen;
-use shade::{Canvas, Show, square};
+use shade::{Canvas, Looks, Show, square};
 use walk::{Space, Walker};
+use wide::WIDE;
 
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Kernel, NONE, Place, Prisms};
 
-/// Rows that are done together, so that what is written stays in a cache.
-const BAND: usize = 256;
+/// Rows that are done together, so that what is written stays in a cache, and threads share the work.
+const BAND: usize = 128;
 
 /// The colour of what lies around.
 const SKY_COLOR: u32 = 0xfff5_ddc8;
 
 /// What a picture took.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BeamCounts {
     /// Cells, each as often as a beam came through.
     pub cells: u64,
@@ -42,7 +52,7 @@ pub struct BeamCounts {
     pub spans: u64,
     /// Triangles drawn.
     pub triangles: u64,
-    /// Pixels of which the cells did not tell what they show.
+    /// Pixels of which the cells did not tell what they show: left to rays.
     pub unsure: u64,
 }
 
@@ -50,13 +60,34 @@ pub struct BeamCounts {
 pub struct Beams<'a> {
     scene: &'a Scene,
     kernels: Kernels,
-    space: Space,
-    unsure: Vec<[i32; 3]>,
-    near: Vec<f32>,
-    touched: Vec<u64>,
-    has_detail: bool,
+    partings: Partings,
+    looks: Looks,
+    /// Not in use.
+    works: Mutex<Vec<Work>>,
     /// Whether there is nothing around the prisms.
     is_whole: bool,
+}
+
+/// What a thread needs for a band.
+struct Work {
+    space: Space,
+    near: Vec<[f32; WIDE]>,
+    touched: Vec<bool>,
+    rows: Vec<bool>,
+    unsure: Vec<[i32; 3]>,
+    counts: BeamCounts,
+}
+
+/// A picture under way.
+struct Shot<'s> {
+    screen: Screen,
+    /// Along the internal frame's axes.
+    internal: Screen,
+    width: u32,
+    show: Show,
+    /// The cell of the eye; none in a solid.
+    start: Option<u32>,
+    beams: &'s Beams<'s>,
 }
 
 /// Whether no triangle reaches out of the prisms' zone.
@@ -69,18 +100,13 @@ impl<'a> Beams<'a> {
     /// For pictures of this scene.
     pub fn new(scene: &'a Scene) -> Beams<'a> {
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
-        let is_whole = scene.tables.cells.len() > 1 && holds_all(scene);
-        let has_detail = !is_whole || scene.tables.cells.iter().skip(1).any(|cell| cell.root != NONE);
-        let (near, touched) = Default::default();
         Beams {
             scene,
             kernels: Kernels(kernel),
-            space: Space::new(),
-            unsure: Vec::new(),
-            near,
-            touched,
-            has_detail,
-            is_whole,
+            partings: Partings::new(scene.tables.cells.len()),
+            looks: Looks::new(&scene.tables),
+            works: Mutex::new(Vec::new()),
+            is_whole: scene.tables.cells.len() > 1 && holds_all(scene),
         }
     }
 
@@ -90,7 +116,9 @@ impl<'a> Beams<'a> {
     }
 
     /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: eight-bit RGBA, red in the lowest bits, the
-    /// only light a lamp at the eye.
+    /// only light a lamp at the eye. What is bright is so to within one of the 255 steps, and may differ by as much from kernel to kernel.
+    ///
+    /// With the feature `rayon` the rows are shared among the threads of the current pool.
     pub fn paint(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
         self.show(camera, width, pixels, Show::Light)
     }
@@ -101,65 +129,110 @@ impl<'a> Beams<'a> {
     }
 
     fn show(&mut self, camera: &Camera, width: u32, pixels: &mut [u32], show: Show) -> BeamCounts {
-        let mut counts = BeamCounts::default();
-        if width == 0 || pixels.is_empty() {
-            return counts;
+        let height = pixels.len().checked_div(width as usize).unwrap_or(0) as u32;
+        if height == 0 {
+            return BeamCounts::default();
         }
-        let height = (pixels.len() / width as usize) as u32;
-        let tables = &self.scene.tables;
-        let prisms = Prisms::new(tables);
+        let prisms = Prisms::new(&self.scene.tables);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms);
-        // Where the eye is in a solid, every pixel is left to rays.
-        let start = match self.scene.locate(camera.eye()) {
+        let start = self.start(camera);
+        let shot = Shot { internal: screen.internal(&prisms), screen, width, show, start, beams: self };
+        shot.bands(pixels);
+        let mut counts = BeamCounts::default();
+        let mut unsure = Vec::new();
+        for work in self.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
+            counts.cells += work.counts.cells;
+            counts.spans += work.counts.spans;
+            counts.triangles += work.counts.triangles;
+            work.counts = BeamCounts::default();
+            unsure.append(&mut work.unsure);
+        }
+        counts.unsure = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
+        if show == Show::Light {
+            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start };
+            rays.shade(&unsure, pixels, SKY_COLOR);
+        }
+        counts
+    }
+
+    /// The cell of the eye. Where that is in a solid, every pixel is left to rays.
+    fn start(&self, camera: &Camera) -> Option<u32> {
+        self.scene.free_cell(camera.eye()).or_else(|| match self.scene.locate(camera.eye()) {
             Place::Air { cell, .. } => Some(cell),
             Place::Outside => Some(0),
             Place::InSolid(_) => None,
+        })
+    }
+}
+
+impl Shot<'_> {
+    /// Paints all rows, by bands.
+    fn bands(&self, pixels: &mut [u32]) {
+        let size = BAND * self.width as usize;
+        #[cfg(feature = "rayon")]
+        if rayon::current_num_threads() > 1 {
+            use rayon::prelude::*;
+            pixels.par_chunks_mut(size).enumerate().for_each(|(index, band)| self.band(index, band));
+            return;
+        }
+        pixels.chunks_mut(size).enumerate().for_each(|(index, band)| self.band(index, band));
+    }
+
+    fn band(&self, index: usize, pixels: &mut [u32]) {
+        let works = || self.beams.works.lock().unwrap_or_else(PoisonError::into_inner);
+        let work = works().pop();
+        let mut work = work.unwrap_or_else(Work::new);
+        work.band(self, (index * BAND) as i32, pixels);
+        works().push(work);
+    }
+}
+
+impl Work {
+    fn new() -> Work {
+        let (near, touched, rows, unsure) = Default::default();
+        Work { space: Space::new(), near, touched, rows, unsure, counts: BeamCounts::default() }
+    }
+
+    /// Paints a band of rows from the `first` on.
+    fn band(&mut self, shot: &Shot<'_>, first: i32, pixels: &mut [u32]) {
+        let beams = shot.beams;
+        let (tables, width) = (&beams.scene.tables, shot.width as usize);
+        let rows = pixels.len() / width;
+        // What is near holds only where it is touched.
+        self.near.resize(rows * Cover::blocks(width), [0.0; WIDE]);
+        self.touched.clear();
+        self.touched.resize(rows * Cover::blocks(width), false);
+        self.rows.clear();
+        self.rows.resize(rows, false);
+        let mut detail = Detail::new(tables, shot.internal);
+        let cover = Cover {
+            width,
+            top: first,
+            pixels,
+            near: &mut self.near,
+            touched: &mut self.touched,
+            rows: &mut self.rows,
         };
-        self.unsure.clear();
-        let mut detail = Detail::new(tables, screen.internal(&prisms));
-        let mut first = 0;
-        for band in pixels.chunks_mut(BAND * width as usize) {
-            let end = first + (band.len() / width as usize) as i32;
-            self.near.clear();
-            self.touched.clear();
-            if self.has_detail || start == Some(0) {
-                self.near.resize(band.len(), 0.0);
-                self.touched.resize(band.len() / width as usize, 0);
-            }
-            let cover = Cover {
-                width: width as usize,
-                top: first,
-                pixels: band,
-                near: &mut self.near,
-                touched: &mut self.touched,
-                block: width.div_ceil(64).next_power_of_two().trailing_zeros(),
-            };
-            let mut canvas = Canvas {
-                tables,
-                kernels: self.kernels,
-                show,
-                cover,
-                square: square(&screen),
-                sky: SKY_COLOR,
-                unsure: &mut self.unsure,
-                detail: &mut detail,
-                triangles: 0,
-                spans: 0,
-            };
-            let mut walker = Walker::new(tables, &screen, self.kernels, &mut self.space, &mut canvas);
-            walker.around = if self.is_whole && start != Some(0) { NONE } else { tables.cells[0].root };
-            walker.band(width as i32, [first, end], start);
-            counts.spans += canvas.spans;
-            counts.triangles += canvas.triangles;
-            counts.cells += self.space.cells;
-            first = end;
-        }
-        if show == Show::Light {
-            let rays = Rays { scene: self.scene, camera, width, height, start };
-            rays.shade(&self.unsure, pixels, SKY_COLOR);
-        }
-        counts.unsure = self.unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
-        counts
+        let mut canvas = Canvas {
+            tables,
+            kernels: beams.kernels,
+            show: shot.show,
+            cover,
+            looks: &beams.looks,
+            square: square(&shot.screen),
+            sky: SKY_COLOR,
+            unsure: &mut self.unsure,
+            detail: &mut detail,
+            triangles: 0,
+            spans: 0,
+        };
+        let mut walker =
+            Walker::new(tables, &shot.screen, beams.kernels, &mut self.space, &mut canvas, &beams.partings);
+        walker.around = if beams.is_whole && shot.start != Some(0) { NONE } else { tables.cells[0].root };
+        walker.band(width as i32, [first, first + rows as i32], shot.start);
+        self.counts.spans += canvas.spans;
+        self.counts.triangles += canvas.triangles;
+        self.counts.cells += self.space.cells;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::shade::color;
+use super::shade::Looks;
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, NONE, Ray, Starts, Want};
@@ -16,6 +16,7 @@ pub(super) struct Rays<'a> {
     pub(super) camera: &'a Camera,
     pub(super) width: u32,
     pub(super) height: u32,
+    pub(super) looks: &'a Looks,
     /// The cell of the eye, if that is in the air.
     pub(super) start: Option<u32>,
 }
@@ -47,8 +48,8 @@ impl Rays<'_> {
     fn pixel(&self, ray: &Ray, hit: &Hit) -> u32 {
         let direction = DVec3::from(ray.direction).normalize_or_zero();
         let bright = direction.dot(DVec3::from(hit.normal)).abs().sqrt() as f32;
-        let [red, green, blue] =
-            color(&self.scene.tables, hit.triangle).map(|c| (c * bright).round().clamp(0.0, 255.0) as u32);
+        let color = self.looks.of(&self.scene.tables, hit.triangle);
+        let [red, green, blue] = color.map(|c| (c * bright).round().clamp(0.0, 255.0) as u32);
         red | green << 8 | blue << 16 | 0xff00_0000
     }
 }

@@ -47,15 +47,15 @@ impl Screen {
 
     /// The plane with the outward `normal`, outside of which the eye is by `away` times the normal's length.
     pub(super) fn plane(&self, normal: DVec3, away: f64) -> Plane {
-        Plane { normal, grows: self.along(normal), away }
+        Plane { size: normal.length(), grows: self.along(normal), away }
     }
 }
 
 /// A plane as a picture sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
-    /// Outward, of any length, along the lattice's axes.
-    pub(super) normal: DVec3,
+    /// The length of its normal.
+    pub(super) size: f64,
     /// How much farther outside the ray through a pixel comes with each unit of `t`: with column, with row, and in the first pixel.
     pub(super) grows: [f64; 3],
     /// How far outside the eye is; negative inside.

@@ -1,12 +1,14 @@
 //! From regions to pixels: Lambert's cosine with a lamp at the eye, as eight-bit RGBA; or what each pixel shows, by number.
 
-use super::detail::{Detail, borders_of};
-use super::kernels::{Cover, Flat, Kernels};
+use super::detail::{Detail, Drawn, borders_of};
+use super::kernels::{Cover, Flat, Kernels, Tint};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use super::walk::{Paint, Seen};
 use crate::format::Views;
+use crate::format::records::SourceRecord;
 use crate::render::to_srgb;
+use crate::trace::NONE;
 
 /// Radiance of a perfectly white surface that faces the eye.
 const HEADLIGHT: f32 = 0.9;
@@ -44,6 +46,7 @@ pub(super) struct Canvas<'a, 'd> {
     pub(super) kernels: Kernels,
     pub(super) show: Show,
     pub(super) cover: Cover<'a>,
+    pub(super) looks: &'a Looks,
     pub(super) square: [f32; 5],
     pub(super) sky: u32,
     /// Parts of rows that rays must tell: the row, and from where up to where.
@@ -55,11 +58,21 @@ pub(super) struct Canvas<'a, 'd> {
     pub(super) spans: u64,
 }
 
-/// The colour of a triangle that faces the lamp, at most 255.
-pub(super) fn color(tables: &Views, triangle: u32) -> [f32; 3] {
-    let material = tables.record(triangle).material;
-    let base = tables.materials.get(material as usize).map_or([1.0; 3], |look| look.base_color);
-    base.map(|c| 255.0 * to_srgb(c) * HEADLIGHT.sqrt())
+/// The colours of materials that face the lamp: red, green and blue, at most 255 each.
+pub(super) struct Looks(Vec<[f32; 3]>);
+
+impl Looks {
+    pub(super) fn new(tables: &Views) -> Looks {
+        let look = |color: [f32; 3]| color.map(|c| 255.0 * to_srgb(c.clamp(0.0, 1.0)) * HEADLIGHT.sqrt());
+        let looks = tables.materials.iter().map(|material| look(material.base_color));
+        Looks(looks.chain([look([1.0; 3])]).collect())
+    }
+
+    /// That of a triangle.
+    pub(super) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
+        let material = tables.record(triangle).material as usize;
+        self.0[material.min(self.0.len() - 1)]
+    }
 }
 
 /// The square of the size of a ray, as [`Shading::square`].
@@ -75,52 +88,91 @@ pub(super) fn square(screen: &Screen) -> [f32; 5] {
     square.map(|c| c as f32)
 }
 
-impl Paint for Canvas<'_, '_> {
-    fn detail(&mut self, arena: &Arena, region: &Region, root: u32, exits: &[Plane]) {
-        let Canvas { tables, kernels, show, cover, square, triangles, detail, .. } = self;
-        detail.draw(region, root, exits, |drawn| {
+impl Canvas<'_, '_> {
+    /// Fills what is free of a region.
+    fn fill(&mut self, arena: &Arena, region: &Region, tint: &impl Tint) {
+        self.kernels.fill(arena.borders(region), &mut self.cover, region.rows[0], tint);
+    }
+
+    /// Draws what `list` gives of the triangles of a region.
+    fn draw(
+        &mut self,
+        arena: &Arena,
+        region: &Region,
+        list: impl FnOnce(&mut Detail<'_>, &mut dyn FnMut(&Drawn)),
+    ) {
+        let Canvas { tables, kernels, show, cover, looks, square, triangles, detail, .. } = self;
+        let screen = detail.screen;
+        list(detail, &mut |drawn| {
             *triangles += 1;
             let (borders, first) = (borders_of(arena, region, drawn.rows), drawn.rows[0]);
             match show {
                 Show::Light => {
-                    let color = color(tables, drawn.triangle);
-                    let shading = Shading { grows: drawn.deep.grows, square: *square, color };
-                    kernels.draw(borders, cover, first, &drawn.deep, &shading)
+                    let grows = screen.along(drawn.normal).map(|c| c as f32);
+                    let color = looks.of(tables, drawn.triangle);
+                    let shading = Shading { grows, square: *square, color };
+                    kernels.draw(borders, cover, first, &drawn.deep, &shading);
                 }
                 Show::Surfaces => kernels.draw(borders, cover, first, &drawn.deep, &Flat(drawn.triangle)),
-            };
+            }
         });
     }
 
+    /// Leaves to rays what is free of a region.
+    fn doubt(&mut self, arena: &Arena, region: &Region) {
+        self.fill(arena, region, &Flat(UNSURE));
+        let [lo, hi] = arena.borders(region);
+        for (row, (&lo, &hi)) in (region.rows[0]..).zip(lo.iter().zip(hi)) {
+            let mut free = lo;
+            for column in lo..hi {
+                if self.cover.is_taken(row, column) {
+                    if free < column {
+                        self.unsure.push([row, free, column]);
+                    }
+                    free = column + 1;
+                }
+            }
+            if free < hi {
+                self.unsure.push([row, free, hi]);
+            }
+        }
+    }
+}
+
+impl Paint for Canvas<'_, '_> {
+    fn detail(&mut self, arena: &Arena, region: &Region, root: u32, exits: &[Plane]) {
+        self.draw(arena, region, |detail, draw| detail.draw(region, root, exits, draw));
+    }
+
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen) {
-        let (borders, first) = (arena.borders(region), region.rows[0]);
-        let [lo, hi] = borders;
-        self.spans += lo.len() as u64;
+        self.spans += (region.rows[1] - region.rows[0]) as u64;
         match (seen, self.show) {
-            (Seen::Face { source, plane, .. }, Show::Light) => {
-                let size = plane.normal.length();
+            (Seen::Face { source, plane, is_plain: true }, Show::Light) => {
                 let source = self.tables.sources[*source as usize];
                 let shading = Shading {
-                    grows: plane.grows.map(|c| (c / size) as f32),
+                    grows: plane.grows.map(|c| (c / plane.size) as f32),
                     square: self.square,
-                    color: color(self.tables, self.tables.surfaces[source.first as usize]),
+                    color: self.looks.of(self.tables, self.tables.surfaces[source.first as usize]),
                 };
-                self.kernels.fill(borders, &mut self.cover, first, &shading);
+                self.fill(arena, region, &shading);
             }
-            (Seen::Face { source, .. }, Show::Surfaces) => {
-                self.kernels.fill(borders, &mut self.cover, first, &Flat(SOURCE | source));
+            (Seen::Face { source, is_plain: true, .. }, Show::Surfaces) => {
+                self.fill(arena, region, &Flat(SOURCE | source));
             }
-            (Seen::Nothing, Show::Light) => {
-                self.kernels.fill(borders, &mut self.cover, first, &Flat(self.sky));
+            (Seen::Face { source, is_plain: false, .. }, _) => {
+                // Its own triangles, and rays where they do not fill it.
+                let SourceRecord { first, count, root, .. } = self.tables.sources[*source as usize];
+                let listed = first as usize..first as usize + count as usize;
+                let tables = self.tables;
+                self.draw(arena, region, |detail, draw| match root {
+                    NONE => detail.draw_listed(region, &tables.surfaces[listed], draw),
+                    root => detail.draw(region, root, &[], draw),
+                });
+                self.doubt(arena, region);
             }
-            (Seen::Nothing, Show::Surfaces) => {
-                self.kernels.fill(borders, &mut self.cover, first, &Flat(SKY));
-            }
-            (Seen::Unsure, _) => {
-                self.kernels.fill(borders, &mut self.cover, first, &Flat(UNSURE));
-                let rows = lo.iter().zip(hi).enumerate().filter(|(_, (lo, hi))| lo < hi);
-                self.unsure.extend(rows.map(|(row, (&lo, &hi))| [first + row as i32, lo, hi]));
-            }
+            (Seen::Nothing, Show::Light) => self.fill(arena, region, &Flat(self.sky)),
+            (Seen::Nothing, Show::Surfaces) => self.fill(arena, region, &Flat(SKY)),
+            (Seen::Unsure, _) => self.doubt(arena, region),
         }
     }
 }

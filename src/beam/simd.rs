@@ -1,43 +1,122 @@
-//! The loops of `kernels`, compiled for AVX2 and for AVX-512.
+//! The loops of `kernels`, compiled for what the CPU has.
 #![allow(unsafe_code)]
 
 use super::kernels::{self, Cover, Deep, Tint};
+use super::wide::Portable;
+#[cfg(target_arch = "x86_64")]
+use super::{avx2, avx512};
 use crate::trace::Kernel;
 
-/// Compiles a function of `kernels` for both, and calls that of a kernel.
-macro_rules! compiled {
-    ($name:ident, $avx2:ident, $avx512:ident, <$($tint:ident)?>, ($($arg:ident: $type:ty),*) -> $result:ty) => {
-        #[inline]
-        pub(super) fn $name$(<$tint: Tint>)?(kernel: Kernel, $($arg: $type),*) -> $result {
-            #[cfg(target_arch = "x86_64")]
-            match kernel.extensions() {
-                // SAFETY: such a kernel is made only where the CPU has them.
-                [_, true] => return unsafe { $avx512($($arg),*) },
-                // SAFETY: as above.
-                [true, _] => return unsafe { $avx2($($arg),*) },
-                _ => {}
-            }
-            let _ = kernel;
-            kernels::$name($($arg),*)
+/// The loops, compiled for sixteen pixels of this kind, with these features of the CPU.
+#[cfg(target_arch = "x86_64")]
+macro_rules! entries {
+    ($wide:ty, $features:literal) => {
+        #[target_feature(enable = $features)]
+        pub(super) fn split(
+            borders: [&[i32]; 2],
+            border: &mut [i32],
+            first: i32,
+            line: [f64; 2],
+        ) -> [i32; 2] {
+            super::kernels::split::<$wide>(borders, border, first, line)
         }
 
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,avx512f,avx512vl,avx512dq")]
-        fn $avx512$(<$tint: Tint>)?($($arg: $type),*) -> $result {
-            kernels::$name($($arg),*)
+        #[target_feature(enable = $features)]
+        pub(super) fn fill<T: super::kernels::Tint>(
+            borders: [&[i32]; 2],
+            cover: &mut super::kernels::Cover<'_>,
+            first: i32,
+            tint: &T,
+        ) {
+            super::kernels::fill::<$wide, T>(borders, cover, first, tint);
         }
 
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-        fn $avx2$(<$tint: Tint>)?($($arg: $type),*) -> $result {
-            kernels::$name($($arg),*)
+        #[target_feature(enable = $features)]
+        pub(super) fn draw<T: super::kernels::Tint>(
+            borders: [&[i32]; 2],
+            cover: &mut super::kernels::Cover<'_>,
+            first: i32,
+            deep: &super::kernels::Deep,
+            tint: &T,
+        ) {
+            super::kernels::draw::<$wide, T>(borders, cover, first, deep, tint);
+        }
+
+        #[cfg(test)]
+        #[target_feature(enable = $features)]
+        pub(super) fn check() {
+            super::wide::tests::check::<$wide>();
         }
     };
 }
 
-compiled!(split, split_avx2, split_avx512, <>,
-    (borders: [&[i32]; 2], border: &mut [i32], first: i32, line: [f64; 2]) -> [i32; 2]);
-compiled!(fill, fill_avx2, fill_avx512, <T>,
-    (borders: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) -> ());
-compiled!(draw, draw_avx2, draw_avx512, <T>,
-    (borders: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, deep: &Deep, tint: &T) -> u32);
+#[cfg(target_arch = "x86_64")]
+pub(super) use entries;
+
+/// Calls a loop as it is compiled for a kernel.
+macro_rules! by_kernel {
+    ($kernel:expr, $name:ident, <$($tint:ident)?>, ($($argument:expr),*)) => {{
+        #[cfg(target_arch = "x86_64")]
+        match $kernel.extensions() {
+            // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
+            [_, true] => return unsafe { avx512::$name($($argument),*) },
+            // SAFETY: as above.
+            [true, _] => return unsafe { avx2::$name($($argument),*) },
+            _ => {}
+        }
+        let _ = $kernel;
+        kernels::$name::<Portable $(, $tint)?>($($argument),*)
+    }};
+}
+
+#[inline]
+pub(super) fn split(
+    kernel: Kernel,
+    borders: [&[i32]; 2],
+    border: &mut [i32],
+    first: i32,
+    line: [f64; 2],
+) -> [i32; 2] {
+    by_kernel!(kernel, split, <>, (borders, border, first, line))
+}
+
+#[inline]
+pub(super) fn fill<T: Tint>(
+    kernel: Kernel,
+    borders: [&[i32]; 2],
+    cover: &mut Cover<'_>,
+    first: i32,
+    tint: &T,
+) {
+    by_kernel!(kernel, fill, <T>, (borders, cover, first, tint));
+}
+
+#[inline]
+pub(super) fn draw<T: Tint>(
+    kernel: Kernel,
+    borders: [&[i32]; 2],
+    cover: &mut Cover<'_>,
+    first: i32,
+    deep: &Deep,
+    tint: &T,
+) {
+    by_kernel!(kernel, draw, <T>, (borders, cover, first, deep, tint));
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_side_by_side() {
+        for kernel in Kernel::available() {
+            match kernel.extensions() {
+                // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
+                [_, true] => unsafe { avx512::check() },
+                // SAFETY: as above.
+                [true, _] => unsafe { avx2::check() },
+                _ => {}
+            }
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::kernels::Kernels;
+use super::parting::Partings;
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use super::walk::{Paint, Seen, Space, Walker};
@@ -165,7 +166,8 @@ fn each_pixel_is_painted_once() {
             let mut count = Count { width: width as usize, counts: vec![0; (width * height) as usize] };
             let mut space = Space::new();
             let kernels = Kernels(Kernel::best());
-            let mut walker = Walker::new(&scene.tables, &screen, kernels, &mut space, &mut count);
+            let partings = Partings::new(scene.tables.cells.len());
+            let mut walker = Walker::new(&scene.tables, &screen, kernels, &mut space, &mut count, &partings);
             for first in (0..height as i32).step_by(50) {
                 walker.band(width as i32, [first, (first + 50).min(height as i32)], Some(cell));
             }

@@ -7,10 +7,11 @@
 use glam::{DVec2, DVec3};
 
 use super::kernels::Kernels;
+use super::parting::{Part, Partings};
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, PlaneRecord, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, PLAIN, PlaneRecord, SideRecord};
 use crate::trace::{NONE, Prisms};
 
 /// Beams that are split more often end in doubt: only files made to be slow do that.
@@ -19,8 +20,8 @@ const MOST_TASKS: usize = 1 << 22;
 /// What a region of a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Seen {
-    /// A wall, floor or ceiling of a cell: what it is by its number among the sources.
-    Face { source: u32, plane: Plane },
+    /// A wall, floor or ceiling of a cell: what it is by its number among the sources, and whether that fills it, in one plane.
+    Face { source: u32, plane: Plane, is_plain: bool },
     /// Nothing at all.
     Nothing,
     /// What cells do not tell.
@@ -68,6 +69,7 @@ pub(super) struct Walker<'a, P> {
     kernels: Kernels,
     space: &'a mut Space,
     paint: &'a mut P,
+    partings: &'a Partings,
     /// The root of what lies around the prisms; or none.
     pub(super) around: u32,
 }
@@ -79,8 +81,9 @@ impl<'a, P: Paint> Walker<'a, P> {
         kernels: Kernels,
         space: &'a mut Space,
         paint: &'a mut P,
+        partings: &'a Partings,
     ) -> Self {
-        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, around: NONE }
+        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, partings, around: NONE }
     }
 
     /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye, if one does.
@@ -242,22 +245,21 @@ impl<'a, P: Paint> Walker<'a, P> {
         let plane = inside.planes[side];
         let mut rest = Some(region);
         let (below, above) = self.prisms.covers_of(inside.cell);
-        for (end, covers) in inside.ends.iter().zip([below, above]) {
+        for (end, covers) in [below, above].into_iter().enumerate() {
             let Some(region) = rest else { return };
-            if !end.is_exit() {
+            if !inside.ends[end].is_exit() {
                 continue;
             }
-            let (first, later) = self.split(region, end.beyond_at(&plane));
+            let (first, later) = self.split(region, inside.ends[end].beyond_at(&plane));
             if let Some(first) = first {
-                let covers: Vec<&CoverRecord> = covers.iter().collect();
-                self.cover(inside, end, &covers, first);
+                self.cover(inside, end, covers, first);
             }
             rest = later;
         }
         let Some(mut region) = rest else { return };
         let faces = self.prisms.faces_of(&inside.sides[side]);
         for (index, face) in faces.iter().enumerate() {
-            let to = (face.cell, face.source);
+            let to = To::new(face.cell, face.source, face.flags);
             if index + 1 == faces.len() || face.top == NONE {
                 self.leave(inside, &plane, to, region);
                 return;
@@ -271,65 +273,50 @@ impl<'a, P: Paint> Walker<'a, P> {
     }
 
     /// Rays that leave through a floor or a ceiling, which these cover.
-    fn cover(&mut self, inside: &In<'_>, end: &Plane, covers: &[&CoverRecord], region: Region) {
+    fn cover(&mut self, inside: &In<'_>, end: usize, covers: &[CoverRecord], region: Region) {
+        let plane = &inside.ends[end];
         if let [cover] = covers {
-            self.leave(inside, end, (cover.cell, cover.source), region);
+            self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             return;
         }
-        let Some((a, b)) = self.parting(covers) else {
-            self.show(region, Seen::Unsure);
-            return;
-        };
-        let line = self.upright(a, b).beyond_at(end);
-        let (outer, inner) = self.split(region, line);
-        for (region, up) in [(outer, 1.0), (inner, -1.0)] {
-            let Some(region) = region else { continue };
-            let is_there = |cover: &&CoverRecord| {
-                self.footprint(cover.cell).any(|corner| (b - a).perp_dot(corner - a) * up < 0.0)
-            };
-            let there: Vec<&CoverRecord> = covers.iter().copied().filter(is_there).collect();
-            self.cover(inside, end, &there, region);
-        }
+        let tree = self.partings.of(inside.task.cell, end == 1, &self.prisms, covers);
+        self.part(inside, plane, (tree, tree.len() - 1), covers, region);
     }
 
-    fn footprint(&self, cell: u32) -> impl Iterator<Item = DVec2> + use<'a, P> {
-        self.prisms.sides_of(&self.prisms.cells[cell as usize]).iter().map(corner)
-    }
-
-    /// An edge of the footprint of one of the cells that cover a plane, along which to split the plane: it splits the fewest of them, and parts
-    /// some from others. All is exact, on the lattice.
-    fn parting(&self, covers: &[&CoverRecord]) -> Option<(DVec2, DVec2)> {
-        let mut best = None;
-        for cover in covers {
-            let corners: Vec<DVec2> = self.footprint(cover.cell).collect();
-            for (index, &a) in corners.iter().enumerate() {
-                let b = corners[(index + 1) % corners.len()];
-                let (mut inner, mut outer) = (0, 0);
-                for other in covers {
-                    let sides = self.footprint(other.cell).map(|corner| (b - a).perp_dot(corner - a));
-                    let (least, most) =
-                        sides.fold((0f64, 0f64), |(lo, hi), side| (lo.min(side), hi.max(side)));
-                    inner += usize::from(most > 0.0);
-                    outer += usize::from(least < 0.0);
-                }
-                let larger = inner.max(outer);
-                let split = inner + outer;
-                if inner > 0 && larger < covers.len() && best.is_none_or(|(known, _)| (split, larger) < known)
-                {
-                    best = Some(((split, larger), (a, b)));
+    /// The same, by the tree of its parts from one place on.
+    fn part(
+        &mut self,
+        inside: &In<'_>,
+        plane: &Plane,
+        (tree, at): (&[Part], usize),
+        covers: &[CoverRecord],
+        region: Region,
+    ) {
+        match tree[at] {
+            Part::Unsure => self.show(region, Seen::Unsure),
+            Part::Cover(cover) => {
+                let cover = &covers[cover as usize];
+                self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
+            }
+            Part::Split { line: [a, b], right, left } => {
+                let line = self.upright(a, b).beyond_at(plane);
+                let (outer, inner) = self.split(region, line);
+                for (region, at) in [(outer, right), (inner, left)] {
+                    if let Some(region) = region {
+                        self.part(inside, plane, (tree, at as usize), covers, region);
+                    }
                 }
             }
         }
-        best.map(|(_, edge)| edge)
     }
 
     /// Rays that leave a cell through one part of its surface.
-    fn leave(&mut self, inside: &In<'_>, plane: &Plane, to: (u32, u32), region: Region) {
-        let (cell, (beyond, source)) = (inside.task.cell, to);
+    fn leave(&mut self, inside: &In<'_>, plane: &Plane, to: To, region: Region) {
+        let (cell, To { cell: beyond, source, is_plain }) = (inside.task.cell, to);
         let next = &self.prisms.cells[beyond as usize];
         let seen = match next.kind {
             CellRecord::SOLID if source != NONE && next.flags & CellRecord::HIDDEN == 0 => {
-                Seen::Face { source, plane: *plane }
+                Seen::Face { source, plane: *plane, is_plain }
             }
             CellRecord::AIR if source == NONE && beyond != inside.task.from => {
                 self.push(beyond, cell, region);
@@ -345,6 +332,20 @@ impl<'a, P: Paint> Walker<'a, P> {
     }
 }
 
+/// What is beyond a part of a cell's surface.
+#[derive(Clone, Copy)]
+struct To {
+    cell: u32,
+    source: u32,
+    is_plain: bool,
+}
+
+impl To {
+    fn new(cell: u32, source: u32, flags: u16) -> To {
+        To { cell, source, is_plain: flags & PLAIN != 0 }
+    }
+}
+
 /// A cell, and the region whose rays are in it.
 struct In<'a> {
     task: &'a Task,
@@ -354,6 +355,6 @@ struct In<'a> {
     ends: [Plane; 2],
 }
 
-fn corner(side: &SideRecord) -> DVec2 {
+pub(super) fn corner(side: &SideRecord) -> DVec2 {
     DVec2::from(side.start.map(f64::from))
 }

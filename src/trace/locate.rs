@@ -110,7 +110,7 @@ impl Scene {
 
     /// The prism of air that holds a point, where that is in no doubt: a ray from there begins nowhere else.
     #[inline]
-    pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
+    pub(crate) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
         self.free_cell_near(point, NONE)
     }
 

@@ -1,0 +1,167 @@
+//! Sixteen pixels in a register, and the loops compiled for AVX-512.
+#![allow(unsafe_code)]
+
+use std::arch::x86_64::{
+    __m256i, __m512, __m512i, _CMP_EQ_OQ, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
+    _mm256_cmplt_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32, _mm256_min_epi32, _mm256_storeu_si256,
+    _mm512_abs_ps, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
+    _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps,
+    _mm512_maskz_mov_ps, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_mul_ps, _mm512_or_si512,
+    _mm512_roundscale_pd, _mm512_rsqrt14_ps, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps,
+    _mm512_setr_pd, _mm512_setr_ps, _mm512_setzero_ps, _mm512_slli_epi32, _mm512_storeu_ps,
+    _mm512_storeu_si512,
+};
+
+use super::simd::entries;
+use super::wide::{Columns, FARTHEST, MAGIC, OPAQUE, ROWS, WIDE, Wide};
+
+/// Sixteen f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, which are called only
+/// where the CPU has what they need: that is the SAFETY of every intrinsic here.
+#[derive(Clone, Copy)]
+struct Avx512(__m512);
+
+/// Eight columns in a register. As [`Avx512`].
+#[derive(Clone, Copy)]
+struct Avx512Columns(__m256i);
+
+impl Wide for Avx512 {
+    type Columns = Avx512Columns;
+    type Words = __m512i;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_set1_ps(x) })
+    }
+    #[inline(always)]
+    fn count() -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe {
+            _mm512_setr_ps(
+                0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+            )
+        })
+    }
+    #[inline(always)]
+    fn load(from: &[f32; WIDE]) -> Self {
+        // SAFETY: see `Avx512`; the array holds the sixteen that are read, and no alignment is needed.
+        Avx512(unsafe { _mm512_loadu_ps(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_add_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_mul_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_fmadd_ps(self.0, factor.0, more.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_abs_ps(self.0) })
+    }
+    #[inline(always)]
+    fn inverse_root(self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512(unsafe { _mm512_rsqrt14_ps(self.0) })
+    }
+    #[inline(always)]
+    fn greater(self, other: Self) -> u32 {
+        // SAFETY: see `Avx512`.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0) }.into()
+    }
+    #[inline(always)]
+    fn zero(self) -> u32 {
+        // SAFETY: see `Avx512`.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, _mm512_setzero_ps()) }.into()
+    }
+    #[inline(always)]
+    fn put(self, mask: u32, to: &mut [f32; WIDE]) {
+        // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
+        unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask as u16, self.0) };
+    }
+    #[inline(always)]
+    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
+        // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
+        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), _mm512_maskz_mov_ps(mask as u16, self.0)) };
+    }
+    #[inline(always)]
+    fn words(x: u32) -> Self::Words {
+        // SAFETY: see `Avx512`.
+        unsafe { _mm512_set1_epi32(x as i32) }
+    }
+    #[inline(always)]
+    fn bytes(red: Self, green: Self, blue: Self) -> Self::Words {
+        // SAFETY: see `Avx512`.
+        unsafe {
+            let (magic, low) = (_mm512_set1_ps(MAGIC), _mm512_set1_epi32(0xff));
+            let byte = |x: Self| _mm512_and_si512(_mm512_castps_si512(_mm512_add_ps(x.0, magic)), low);
+            let green = _mm512_slli_epi32::<8>(byte(green));
+            let blue = _mm512_slli_epi32::<16>(byte(blue));
+            let opaque = _mm512_set1_epi32(OPAQUE as i32);
+            _mm512_or_si512(_mm512_or_si512(byte(red), green), _mm512_or_si512(blue, opaque))
+        }
+    }
+    #[inline(always)]
+    fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
+        // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
+        unsafe { _mm512_mask_storeu_epi32(to.as_mut_ptr().cast(), mask as u16, words) };
+    }
+    #[inline(always)]
+    fn put_all(words: Self::Words, to: &mut [u32; WIDE]) {
+        // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
+        unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), words) };
+    }
+}
+
+impl Columns for Avx512Columns {
+    #[inline(always)]
+    fn not_left(slope: f64, start: f64, first: i32) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Columns(unsafe {
+            let rows = _mm512_setr_pd(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
+            let rows = _mm512_add_pd(_mm512_set1_pd(f64::from(first)), rows);
+            let column = _mm512_add_pd(_mm512_set1_pd(start), _mm512_mul_pd(_mm512_set1_pd(slope), rows));
+            // Of a NaN and a number the number.
+            let column = _mm512_max_pd(column, _mm512_set1_pd(-FARTHEST));
+            let column = _mm512_min_pd(column, _mm512_set1_pd(FARTHEST));
+            _mm512_cvtpd_epi32(_mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(column))
+        })
+    }
+    #[inline(always)]
+    fn load(from: &[i32; ROWS]) -> Self {
+        // SAFETY: see `Avx512`; the array holds the eight that are read, and no alignment is needed.
+        Avx512Columns(unsafe { _mm256_loadu_si256(from.as_ptr().cast()) })
+    }
+    #[inline(always)]
+    fn store(self) -> [i32; ROWS] {
+        let mut out = [0; ROWS];
+        // SAFETY: see `Avx512`; the array has room for the eight, and no alignment is needed.
+        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), self.0) };
+        out
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Columns(unsafe { _mm256_min_epi32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Columns(unsafe { _mm256_max_epi32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u32 {
+        // SAFETY: see `Avx512`.
+        unsafe { _mm256_cmplt_epi32_mask(self.0, other.0) }.into()
+    }
+}
+
+entries!(Avx512, "avx2,fma,bmi1,bmi2,popcnt,avx512f,avx512vl,avx512dq");

@@ -1,0 +1,263 @@
+//! Sixteen pixels of a row, and eight rows, side by side: one trait each, so that the loops over them are written once for all
+//! instruction sets.
+
+/// Pixels side by side.
+pub(super) const WIDE: usize = 16;
+
+/// All of them, pixel i as bit i.
+pub(super) const ALL: u32 = 0xffff;
+
+/// Rows side by side.
+pub(super) const ROWS: usize = 8;
+
+/// A number for each of sixteen pixels.
+pub(super) trait Wide: Copy {
+    /// A column for each of eight rows.
+    type Columns: Columns;
+    /// Thirty-two bits for each of sixteen pixels.
+    type Words: Copy;
+
+    /// The same for all.
+    fn splat(x: f32) -> Self;
+    /// The number of each: 0, 1, 2...
+    fn count() -> Self;
+    fn load(from: &[f32; WIDE]) -> Self;
+    fn add(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + more`, rounded once or twice.
+    fn mul_add(self, factor: Self, more: Self) -> Self;
+    fn abs(self) -> Self;
+    /// One by the square root of a positive number, to four parts in ten thousand of it.
+    fn inverse_root(self) -> Self;
+    /// Where it is greater than another, pixel i as bit i.
+    fn greater(self, other: Self) -> u32;
+    /// Where it is 0.
+    fn zero(self) -> u32;
+    /// Written where `mask` says.
+    fn put(self, mask: u32, to: &mut [f32; WIDE]);
+    /// Itself where `mask` says, else 0, written to all.
+    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]);
+
+    /// The same for all.
+    fn words(x: u32) -> Self::Words;
+    /// Eight-bit RGBA, opaque, from three numbers from 0 to 255 each, rounded; red in the lowest bits.
+    fn bytes(red: Self, green: Self, blue: Self) -> Self::Words;
+    /// Written where `mask` says.
+    fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]);
+    /// Written to all.
+    fn put_all(words: Self::Words, to: &mut [u32; WIDE]);
+}
+
+/// A column for each of eight rows.
+pub(super) trait Columns: Copy {
+    /// The first column in each row from the `first` on that is not left of the line at `start` in row 0 which goes by `slope` a row, held within what
+    /// columns may be. The same bits on every instruction set.
+    fn not_left(slope: f64, start: f64, first: i32) -> Self;
+    fn load(from: &[i32; ROWS]) -> Self;
+    fn store(self) -> [i32; ROWS];
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    /// Where it is less than another, row i as bit i.
+    fn less(self, other: Self) -> u32;
+}
+
+/// The farthest column, left and right, that a border may have.
+pub(super) const FARTHEST: f64 = 1e9;
+
+/// For any CPU.
+#[derive(Clone, Copy)]
+pub(super) struct Portable([f32; WIDE]);
+
+/// Adding this to a small number that is not negative leaves it, rounded, in the lowest bits.
+pub(super) const MAGIC: f32 = 8_388_608.0;
+
+/// What is opaque.
+pub(super) const OPAQUE: u32 = 0xff00_0000;
+
+#[inline(always)]
+fn bits(is_set: impl Fn(usize) -> bool) -> u32 {
+    (0..WIDE).fold(0, |bits, i| bits | u32::from(is_set(i)) << i)
+}
+
+impl Wide for Portable {
+    type Columns = PortableColumns;
+    type Words = [u32; WIDE];
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Portable([x; WIDE])
+    }
+    #[inline(always)]
+    fn count() -> Self {
+        Portable(std::array::from_fn(|i| i as f32))
+    }
+    #[inline(always)]
+    fn load(from: &[f32; WIDE]) -> Self {
+        Portable(*from)
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Portable(std::array::from_fn(|i| self.0[i] + other.0[i]))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Portable(std::array::from_fn(|i| self.0[i] * other.0[i]))
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, more: Self) -> Self {
+        Portable(std::array::from_fn(|i| self.0[i] * factor.0[i] + more.0[i]))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Portable(self.0.map(f32::abs))
+    }
+    #[inline(always)]
+    fn inverse_root(self) -> Self {
+        Portable(self.0.map(|x| 1.0 / x.sqrt()))
+    }
+    #[inline(always)]
+    fn greater(self, other: Self) -> u32 {
+        bits(|i| self.0[i] > other.0[i])
+    }
+    #[inline(always)]
+    fn zero(self) -> u32 {
+        bits(|i| self.0[i] == 0.0)
+    }
+    #[inline(always)]
+    fn put(self, mask: u32, to: &mut [f32; WIDE]) {
+        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { self.0[i] } else { to[i] });
+    }
+    #[inline(always)]
+    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
+        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { self.0[i] } else { 0.0 });
+    }
+    #[inline(always)]
+    fn words(x: u32) -> Self::Words {
+        [x; WIDE]
+    }
+    #[inline(always)]
+    fn bytes(red: Self, green: Self, blue: Self) -> Self::Words {
+        let byte = |x: f32| (x + MAGIC).to_bits() & 0xff;
+        std::array::from_fn(|i| byte(red.0[i]) | byte(green.0[i]) << 8 | byte(blue.0[i]) << 16 | OPAQUE)
+    }
+    #[inline(always)]
+    fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
+        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { words[i] } else { to[i] });
+    }
+    #[inline(always)]
+    fn put_all(words: Self::Words, to: &mut [u32; WIDE]) {
+        *to = words;
+    }
+}
+
+/// For any CPU.
+#[derive(Clone, Copy)]
+pub(super) struct PortableColumns([i32; ROWS]);
+
+impl Columns for PortableColumns {
+    #[inline(always)]
+    fn not_left(slope: f64, start: f64, first: i32) -> Self {
+        /// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.
+        const MAGIC: f64 = 6_755_399_441_055_744.0;
+        PortableColumns(std::array::from_fn(|i| {
+            let column = start + slope * (f64::from(first) + i as f64);
+            let column = column.max(-FARTHEST).min(FARTHEST);
+            let nearest = (column + MAGIC) - MAGIC;
+            let up = if nearest < column { 1.0 } else { 0.0 };
+            ((nearest + up) + MAGIC).to_bits() as i32
+        }))
+    }
+    #[inline(always)]
+    fn load(from: &[i32; ROWS]) -> Self {
+        PortableColumns(*from)
+    }
+    #[inline(always)]
+    fn store(self) -> [i32; ROWS] {
+        self.0
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        PortableColumns(std::array::from_fn(|i| self.0[i].min(other.0[i])))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        PortableColumns(std::array::from_fn(|i| self.0[i].max(other.0[i])))
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u32 {
+        (0..ROWS).fold(0, |bits, i| bits | u32::from(self.0[i] < other.0[i]) << i)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    fn some(numbers: impl Fn(usize) -> f32) -> [f32; WIDE] {
+        std::array::from_fn(numbers)
+    }
+
+    fn words<W: Wide>(words: W::Words) -> [u32; WIDE] {
+        let mut out = [0; WIDE];
+        W::put_all(words, &mut out);
+        out
+    }
+
+    fn numbers<W: Wide>(wide: W) -> [f32; WIDE] {
+        let mut out = [0.0; WIDE];
+        wide.put(ALL, &mut out);
+        out
+    }
+
+    /// What every instruction set must do.
+    #[inline(always)]
+    pub(in crate::beam) fn check<W: Wide>() {
+        let a = some(|i| i as f32 * 1.5 - 7.0);
+        let b = some(|i| 3.0 - i as f32 * 0.5);
+        let (wide_a, wide_b) = (W::load(&a), W::load(&b));
+        assert_eq!(numbers(wide_a), a);
+        assert_eq!(numbers(W::splat(2.5)), [2.5; WIDE]);
+        assert_eq!(numbers(W::count()), some(|i| i as f32));
+        assert_eq!(numbers(wide_a.add(wide_b)), some(|i| a[i] + b[i]));
+        assert_eq!(numbers(wide_a.mul(wide_b)), some(|i| a[i] * b[i]));
+        assert_eq!(numbers(wide_a.mul_add(wide_b, W::splat(1.0))), some(|i| a[i] * b[i] + 1.0));
+        assert_eq!(numbers(wide_a.abs()), a.map(f32::abs));
+        let roots = numbers(wide_a.abs().add(W::splat(0.25)).inverse_root());
+        for i in 0..WIDE {
+            let exact = (a[i].abs() + 0.25).sqrt();
+            assert!((roots[i] * exact - 1.0).abs() < 4e-4, "{} {exact}", roots[i]);
+            assert_eq!(wide_a.greater(wide_b) >> i & 1, u32::from(a[i] > b[i]));
+            assert_eq!(W::load(&[0.0; WIDE]).zero(), ALL);
+            assert_eq!(W::count().zero(), 1);
+        }
+        let mask = 0b1010_0110_0101_1001;
+        let is_set = |i: usize| mask >> i & 1 != 0;
+        let mut out = b;
+        wide_a.put(mask, &mut out);
+        assert_eq!(out, some(|i| if is_set(i) { a[i] } else { b[i] }));
+        wide_a.put_or_zero(mask, &mut out);
+        assert_eq!(out, some(|i| if is_set(i) { a[i] } else { 0.0 }));
+        assert_eq!(words::<W>(W::words(77)), [77; WIDE]);
+        let mut out = [9; WIDE];
+        W::put_words(W::words(77), mask, &mut out);
+        assert_eq!(out, std::array::from_fn(|i| if is_set(i) { 77 } else { 9 }));
+        let [red, green, blue] = [0.4f32, 200.6, 255.0];
+        let rgba = W::bytes(W::splat(red), W::splat(green), W::splat(blue));
+        assert_eq!(words::<W>(rgba), [0xffff_c900; WIDE]);
+        let columns = |slope, start| W::Columns::not_left(slope, start, 5).store();
+        assert_eq!(columns(1.0, 0.0), [5, 6, 7, 8, 9, 10, 11, 12]);
+        assert_eq!(columns(-0.5, 0.25), [-2, -2, -3, -3, -4, -4, -5, -5]);
+        assert_eq!(columns(1e300, 0.0), [1_000_000_000; ROWS]);
+        assert_eq!(columns(-1e300, 0.0), [-1_000_000_000; ROWS]);
+        let [lo, hi] = [[3, -1, 7, 0, 0, 2, 9, -8], [1, 0, 9, 0, -1, 2, 8, 8]];
+        let [a, b] = [lo, hi].map(|c| W::Columns::load(&c));
+        assert_eq!(a.min(b).store(), std::array::from_fn(|i| lo[i].min(hi[i])));
+        assert_eq!(a.max(b).store(), std::array::from_fn(|i| lo[i].max(hi[i])));
+        assert_eq!(a.less(b), 0b1000_0110);
+    }
+
+    #[test]
+    fn portable() {
+        check::<Portable>();
+    }
+}
