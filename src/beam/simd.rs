@@ -42,6 +42,11 @@ macro_rules! entries {
             super::kernels::draw::<$wide, T>(borders, cover, first, deep, tint);
         }
 
+        #[target_feature(enable = $features)]
+        pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::kernels::Cover<'_>, first: i32) -> bool {
+            super::kernels::is_taken::<$wide>(borders, cover, first)
+        }
+
         #[cfg(test)]
         #[target_feature(enable = $features)]
         pub(super) fn check() {
@@ -101,6 +106,11 @@ pub(super) fn draw<T: Tint>(
     tint: &T,
 ) {
     by_kernel!(kernel, draw, <T>, (borders, cover, first, deep, tint));
+}
+
+#[inline]
+pub(super) fn is_taken(kernel: Kernel, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
+    by_kernel!(kernel, is_taken, <>, (borders, cover, first))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
