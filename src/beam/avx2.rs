@@ -4,16 +4,16 @@
 use std::arch::x86_64::{
     __m128i, __m256, __m256d, __m256i, _CMP_EQ_OQ, _CMP_GT_OQ, _mm_castsi128_ps, _mm_cmplt_epi32,
     _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32, _mm_movemask_ps, _mm_storeu_si128, _mm256_add_pd,
-    _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32,
-    _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd,
-    _mm256_mul_ps, _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps,
-    _mm256_setr_epi32, _mm256_setr_pd, _mm256_setr_ps, _mm256_setzero_ps, _mm256_slli_epi32,
+    _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps,
+    _mm256_castps_si256, _mm256_castsi256_ps, _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32,
+    _mm256_cvtpd_epi32, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps,
+    _mm256_mul_pd, _mm256_mul_ps, _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi32, _mm256_set1_pd,
+    _mm256_set1_ps, _mm256_setr_epi32, _mm256_setr_pd, _mm256_setr_ps, _mm256_setzero_ps, _mm256_slli_epi32,
     _mm256_storeu_ps, _mm256_storeu_si256,
 };
 
 use super::simd::entries;
-use super::wide::{Columns, FARTHEST, MAGIC, OPAQUE, ROWS, WIDE, Wide};
+use super::wide::{Columns, FARTHEST, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
 
 /// Sixteen f32 in two registers. Private to this module and used only inside the functions that `entries` compiles for it, which are called only
 /// where the CPU has what they need: that is the SAFETY of every intrinsic here.
@@ -194,32 +194,9 @@ fn bytes([red, green, blue]: [__m256; 3]) -> __m256i {
     }
 }
 
-/// As [`Columns::not_left`], of four rows, whose numbers these are.
-#[inline(always)]
-fn not_left(slope: f64, start: f64, rows: __m256d) -> __m128i {
-    // SAFETY: see `Avx2`.
-    unsafe {
-        let column = _mm256_add_pd(_mm256_set1_pd(start), _mm256_mul_pd(_mm256_set1_pd(slope), rows));
-        // Of a NaN and a number the number.
-        let column = _mm256_max_pd(column, _mm256_set1_pd(-FARTHEST));
-        let column = _mm256_min_pd(column, _mm256_set1_pd(FARTHEST));
-        _mm256_cvtpd_epi32(_mm256_ceil_pd(column))
-    }
-}
-
 impl Columns for Avx2Columns {
-    #[inline(always)]
-    fn not_left(slope: f64, start: f64, first: i32) -> Self {
-        // SAFETY: see `Avx2`.
-        let (low, high) = unsafe {
-            let first = _mm256_set1_pd(f64::from(first));
-            (
-                _mm256_add_pd(first, _mm256_setr_pd(0.0, 1.0, 2.0, 3.0)),
-                _mm256_add_pd(first, _mm256_setr_pd(4.0, 5.0, 6.0, 7.0)),
-            )
-        };
-        Avx2Columns([not_left(slope, start, low), not_left(slope, start, high)])
-    }
+    type Lines = Avx2Lines;
+
     #[inline(always)]
     fn load(from: &[i32; ROWS]) -> Self {
         let (low, high) = (from[..4].as_ptr(), from[4..].as_ptr());
@@ -258,6 +235,66 @@ impl Columns for Avx2Columns {
             let high = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(b, d))) as u32;
             low | high << 4
         }
+    }
+}
+
+/// Eight f64 in two registers. As [`Avx2`].
+#[derive(Clone, Copy)]
+struct Avx2Lines([__m256d; 2]);
+
+impl Lines for Avx2Lines {
+    type Columns = Avx2Columns;
+
+    #[inline(always)]
+    fn new(slope: f64, start: f64, first: i32) -> Self {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let (first, slope) = (_mm256_set1_pd(f64::from(first)), _mm256_set1_pd(slope));
+            let start = _mm256_set1_pd(start);
+            let low = _mm256_add_pd(first, _mm256_setr_pd(0.0, 1.0, 2.0, 3.0));
+            let high = _mm256_add_pd(first, _mm256_setr_pd(4.0, 5.0, 6.0, 7.0));
+            Avx2Lines([
+                _mm256_add_pd(start, _mm256_mul_pd(slope, low)),
+                _mm256_add_pd(start, _mm256_mul_pd(slope, high)),
+            ])
+        }
+    }
+    #[inline(always)]
+    fn splat(column: f64) -> Self {
+        // SAFETY: see `Avx2`.
+        Avx2Lines([unsafe { _mm256_set1_pd(column) }; 2])
+    }
+    #[inline(always)]
+    fn narrow([left, right]: &mut [Self; 2], line: Self, is_left: bool) {
+        // No branch: which side it is on cannot be guessed.
+        let far = if is_left { f64::NEG_INFINITY } else { f64::INFINITY };
+        let ([a, b], [c, d], [e, f]) = (left.0, right.0, line.0);
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let mask = _mm256_set1_pd(far);
+            // A line that does not count is as far out as can be.
+            let (none, all) = (_mm256_set1_pd(f64::NEG_INFINITY), _mm256_set1_pd(f64::INFINITY));
+            // The sign of `mask` is set where the line is on the left.
+            left.0 = [
+                _mm256_max_pd(a, _mm256_blendv_pd(e, none, mask)),
+                _mm256_max_pd(b, _mm256_blendv_pd(f, none, mask)),
+            ];
+            right.0 = [
+                _mm256_min_pd(c, _mm256_blendv_pd(all, e, mask)),
+                _mm256_min_pd(d, _mm256_blendv_pd(all, f, mask)),
+            ];
+        }
+    }
+    #[inline(always)]
+    fn not_left(self) -> Avx2Columns {
+        let [low, high] = self.0;
+        // SAFETY: see `Avx2`.
+        Avx2Columns(unsafe {
+            let (least, most) = (_mm256_set1_pd(-FARTHEST), _mm256_set1_pd(FARTHEST));
+            let low = _mm256_min_pd(_mm256_max_pd(low, least), most);
+            let high = _mm256_min_pd(_mm256_max_pd(high, least), most);
+            [_mm256_cvtpd_epi32(_mm256_ceil_pd(low)), _mm256_cvtpd_epi32(_mm256_ceil_pd(high))]
+        })
     }
 }
 

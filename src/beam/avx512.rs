@@ -2,18 +2,18 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256i, __m512, __m512i, _CMP_EQ_OQ, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
+    __m256i, __m512, __m512d, __m512i, _CMP_EQ_OQ, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
     _mm256_cmplt_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32, _mm256_min_epi32, _mm256_storeu_si256,
     _mm512_abs_ps, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
-    _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps,
-    _mm512_maskz_mov_ps, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_mul_ps, _mm512_or_si512,
-    _mm512_roundscale_pd, _mm512_rsqrt14_ps, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps,
-    _mm512_setr_pd, _mm512_setr_ps, _mm512_setzero_ps, _mm512_slli_epi32, _mm512_storeu_ps,
-    _mm512_storeu_si512,
+    _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_max_pd, _mm512_mask_min_pd,
+    _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps, _mm512_maskz_mov_ps, _mm512_max_pd, _mm512_min_pd,
+    _mm512_mul_pd, _mm512_mul_ps, _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps,
+    _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_setzero_ps,
+    _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::simd::entries;
-use super::wide::{Columns, FARTHEST, MAGIC, OPAQUE, ROWS, WIDE, Wide};
+use super::wide::{Columns, FARTHEST, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
 
 /// Sixteen f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, which are called only
 /// where the CPU has what they need: that is the SAFETY of every intrinsic here.
@@ -122,19 +122,8 @@ impl Wide for Avx512 {
 }
 
 impl Columns for Avx512Columns {
-    #[inline(always)]
-    fn not_left(slope: f64, start: f64, first: i32) -> Self {
-        // SAFETY: see `Avx512`.
-        Avx512Columns(unsafe {
-            let rows = _mm512_setr_pd(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
-            let rows = _mm512_add_pd(_mm512_set1_pd(f64::from(first)), rows);
-            let column = _mm512_add_pd(_mm512_set1_pd(start), _mm512_mul_pd(_mm512_set1_pd(slope), rows));
-            // Of a NaN and a number the number.
-            let column = _mm512_max_pd(column, _mm512_set1_pd(-FARTHEST));
-            let column = _mm512_min_pd(column, _mm512_set1_pd(FARTHEST));
-            _mm512_cvtpd_epi32(_mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(column))
-        })
-    }
+    type Lines = Avx512Lines;
+
     #[inline(always)]
     fn load(from: &[i32; ROWS]) -> Self {
         // SAFETY: see `Avx512`; the array holds the eight that are read, and no alignment is needed.
@@ -161,6 +150,48 @@ impl Columns for Avx512Columns {
     fn less(self, other: Self) -> u32 {
         // SAFETY: see `Avx512`.
         unsafe { _mm256_cmplt_epi32_mask(self.0, other.0) }.into()
+    }
+}
+
+/// Eight f64 in a register. As [`Avx512`].
+#[derive(Clone, Copy)]
+struct Avx512Lines(__m512d);
+
+impl Lines for Avx512Lines {
+    type Columns = Avx512Columns;
+
+    #[inline(always)]
+    fn new(slope: f64, start: f64, first: i32) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Lines(unsafe {
+            let rows = _mm512_setr_pd(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
+            let rows = _mm512_add_pd(_mm512_set1_pd(f64::from(first)), rows);
+            _mm512_add_pd(_mm512_set1_pd(start), _mm512_mul_pd(_mm512_set1_pd(slope), rows))
+        })
+    }
+    #[inline(always)]
+    fn splat(column: f64) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Lines(unsafe { _mm512_set1_pd(column) })
+    }
+    #[inline(always)]
+    fn narrow([left, right]: &mut [Self; 2], line: Self, is_left: bool) {
+        // No branch: which side it is on cannot be guessed.
+        let mask = 0u8.wrapping_sub(u8::from(is_left));
+        // SAFETY: see `Avx512`.
+        unsafe {
+            left.0 = _mm512_mask_max_pd(left.0, !mask, left.0, line.0);
+            right.0 = _mm512_mask_min_pd(right.0, mask, right.0, line.0);
+        }
+    }
+    #[inline(always)]
+    fn not_left(self) -> Avx512Columns {
+        // SAFETY: see `Avx512`.
+        Avx512Columns(unsafe {
+            let column = _mm512_max_pd(self.0, _mm512_set1_pd(-FARTHEST));
+            let column = _mm512_min_pd(column, _mm512_set1_pd(FARTHEST));
+            _mm512_cvtpd_epi32(_mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(column))
+        })
     }
 }
 

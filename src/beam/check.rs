@@ -31,7 +31,7 @@ pub struct Differences {
     pub ties: u64,
     /// Pixels that show a surface that is met within the tolerance of what the ray meets.
     pub flush: u64,
-    /// Pixels that show something else where the ray meets what the eye touches.
+    /// Pixels that show something else where the ray meets what the eye touches, or they show a triangle that it touches.
     pub touching: u64,
     /// Pixels that show something else, no tie: their columns and rows, what the beam shows, and which triangle the ray meets.
     pub wrong: Vec<([u32; 2], Surface, u32)>,
@@ -79,7 +79,7 @@ pub(super) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
             differences.flush += 1;
             continue;
         }
-        if hit.element != NONE && hit.t <= TOUCH {
+        if hit.element != NONE && hit.t <= TOUCH || touches(scene, surface, ray) {
             differences.touching += 1;
             continue;
         }
@@ -91,6 +91,14 @@ pub(super) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
         }
     }
     differences
+}
+
+/// Whether a surface is a triangle in a cell in whose plane a ray starts: it may pass that, or not.
+fn touches(scene: &Scene, surface: Surface, ray: &Ray) -> bool {
+    let Surface::Triangle(triangle) = surface else { return false };
+    let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    normal.dot(DVec3::from(ray.origin) - a).abs() <= TOUCH
 }
 
 /// Whether a ray meets a surface's plane within the tolerance of what it meets.

@@ -267,7 +267,7 @@ fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
 }
 
-/// The rows of a region that `rows` holds, with their borders.
+/// The borders of those rows of a region that `rows` holds, and more.
 pub(super) fn borders_of<'a>(arena: &'a Arena, region: &Region, rows: [i32; 2]) -> [&'a [i32]; 2] {
-    arena.borders(&region.within(rows))
+    arena.borders_and_more(&region.within(rows))
 }

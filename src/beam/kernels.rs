@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::shade::Shading;
 use super::simd;
-use super::wide::{ALL, Columns, ROWS, WIDE, Wide};
+use super::wide::{ALL, Columns, FARTHEST, Lines, ROWS, WIDE, Wide};
 use crate::trace::Kernel;
 
 /// What the CPU has.
@@ -31,17 +31,17 @@ impl Kernels {
         simd::fill(self.0, borders, cover, first, tint);
     }
 
-    /// Draws a triangle between the borders of rows, the first of which is the row `first` of the picture.
+    /// Draws a triangle in some rows of the picture between their borders, of which there are more, so that eight can be read at once.
     #[inline]
     pub(super) fn draw<T: Tint>(
         self,
         borders: [&[i32]; 2],
         cover: &mut Cover<'_>,
-        first: i32,
+        rows: [i32; 2],
         deep: &Deep,
         tint: &T,
     ) {
-        simd::draw(self.0, borders, cover, first, deep, tint);
+        simd::draw(self.0, borders, cover, rows, deep, tint);
     }
 
     /// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
@@ -98,6 +98,9 @@ impl Tint for Shading {
     }
 }
 
+/// Where lines pass eight rows.
+type LinesOf<W> = <<W as Wide>::Columns as Columns>::Lines;
+
 #[inline(always)]
 pub(super) fn split<W: Wide>(
     [lo, hi]: [&[i32]; 2],
@@ -110,7 +113,7 @@ pub(super) fn split<W: Wide>(
     let ((los, lo_rest), (his, hi_rest)) = (lo.as_chunks::<ROWS>(), hi.as_chunks::<ROWS>());
     let mut row = first;
     for ((border, lo), hi) in borders.iter_mut().zip(los).zip(his) {
-        let column = W::Columns::not_left(slope, start, row);
+        let column = LinesOf::<W>::new(slope, start, row).not_left();
         let column = column.min(W::Columns::load(hi)).max(W::Columns::load(lo));
         (least, most) = (least.min(column), most.max(column));
         *border = column.store();
@@ -121,7 +124,8 @@ pub(super) fn split<W: Wide>(
         // The last row again and again, so that there are eight.
         let eight = |from: &[i32]| std::array::from_fn(|i| from[i.min(count - 1)]);
         let (lo, hi) = (W::Columns::load(&eight(lo_rest)), W::Columns::load(&eight(hi_rest)));
-        let column = W::Columns::not_left(slope, start, row).min(hi).max(lo).store();
+        let column = LinesOf::<W>::new(slope, start, row).not_left();
+        let column = column.min(hi).max(lo).store();
         rest.copy_from_slice(&column[..count]);
         let column = W::Columns::load(&eight(&column));
         (least, most) = (least.min(column), most.max(column));
@@ -311,34 +315,32 @@ fn is_row_taken<W: Wide>(cover: &Cover<'_>, row: i32, [lo, hi]: [i32; 2]) -> boo
 pub(super) fn draw<W: Wide, T: Tint>(
     [lo, hi]: [&[i32]; 2],
     cover: &mut Cover<'_>,
-    first: i32,
+    rows: [i32; 2],
     deep: &Deep,
     tint: &T,
 ) {
-    let mut row = first;
-    for (lo, hi) in lo.chunks(ROWS).zip(hi.chunks(ROWS)) {
-        let count = lo.len();
-        // Rows that are not there are empty.
-        let eight = |from: &[i32]| {
-            <[i32; ROWS]>::try_from(from).unwrap_or_else(|_| {
-                let mut out = [0; ROWS];
-                out[..count].copy_from_slice(from);
-                out
-            })
-        };
-        let (mut lo, mut hi) = (W::Columns::load(&eight(lo)), W::Columns::load(&eight(hi)));
+    let count = (rows[1] - rows[0]) as usize;
+    for from in (0..count).step_by(ROWS) {
+        let row = rows[0] + from as i32;
+        let mut borders = [LinesOf::<W>::splat(-FARTHEST), LinesOf::<W>::splat(FARTHEST)];
         for bound in &deep.bounds[..deep.count] {
-            let column = W::Columns::not_left(bound.slope, bound.start, row);
-            if bound.is_left { hi = hi.min(column) } else { lo = lo.max(column) }
+            LinesOf::<W>::narrow(
+                &mut borders,
+                LinesOf::<W>::new(bound.slope, bound.start, row),
+                bound.is_left,
+            );
         }
-        let mut rest = lo.less(hi);
+        let (Some(lo), Some(hi)) = (lo[from..].first_chunk(), hi[from..].first_chunk()) else { return };
+        let lo = borders[0].not_left().max(W::Columns::load(lo));
+        let hi = borders[1].not_left().min(W::Columns::load(hi));
+        // Rows after the last are not of this triangle.
+        let mut rest = lo.less(hi) & (u32::MAX >> (32 - (count - from).min(ROWS)));
         let (lo, hi) = (lo.store(), hi.store());
         while rest != 0 {
             let i = rest.trailing_zeros() as usize % ROWS;
             rest &= rest - 1;
             draw_row::<W, T>(cover, row + i as i32, [lo[i], hi[i]], deep, tint);
         }
-        row += ROWS as i32;
     }
 }
 
@@ -351,7 +353,6 @@ fn draw_row<W: Wide, T: Tint>(cover: &mut Cover<'_>, row: i32, [lo, hi]: [i32; 2
     let known = below * blocks..(below + 1) * blocks;
     let (nears, touched) = (&mut cover.near[known.clone()], &mut cover.touched[known]);
     cover.rows[below] = true;
-    let same = tint.row(row as f32);
     let start = deep.near[1] * f64::from(row) + deep.near[2];
     let step = W::splat(deep.near[0] as f32);
     for block in lo as usize / WIDE..=(hi as usize - 1) / WIDE {
@@ -370,6 +371,6 @@ fn draw_row<W: Wide, T: Tint>(cover: &mut Cover<'_>, row: i32, [lo, hi]: [i32; 2
             near.put_or_zero(mask, known);
         }
         let columns = W::splat(left as f32).add(W::count());
-        put::<W>(line, block, tint.pixels(same, columns), mask);
+        put::<W>(line, block, tint.pixels(tint.row(row as f32), columns), mask);
     }
 }

@@ -24,7 +24,7 @@ mod told;
 mod walk;
 mod wide;
 
-use std::ops::Deref;
+use std::ops::{AddAssign, Deref};
 use std::sync::{Mutex, PoisonError};
 
 pub use check::Differences;
@@ -45,10 +45,13 @@ use glam::DVec3;
 use crate::format::records::CellRecord;
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, Place, Prisms, Starts, Want};
+use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Starts, Want};
 
 /// Rows that are done together, so that what is written stays in a cache, and threads share the work.
-const BAND: usize = 128;
+const BAND: usize = 256;
+
+/// An eye that is farther than this inside of its cell, metres, is at no border.
+const CLEAR: f64 = 1e-8;
 
 /// The colour of what lies around.
 const SKY_COLOR: u32 = 0xfff5_ddc8;
@@ -66,10 +69,21 @@ pub struct BeamCounts {
     pub unsure: u64,
 }
 
+impl AddAssign for BeamCounts {
+    fn add_assign(&mut self, other: BeamCounts) {
+        self.cells += other.cells;
+        self.spans += other.spans;
+        self.triangles += other.triangles;
+        self.unsure += other.unsure;
+    }
+}
+
 /// Makes pictures of one scene, of which it has a reference, or an [`Arc`](std::sync::Arc), with what it needs kept from one to the next.
 pub struct Beams<S> {
     scene: S,
     kept: Kept,
+    /// The cell of the last eye: the next is likely there, too.
+    last: u32,
 }
 
 /// What is kept from picture to picture.
@@ -118,7 +132,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             outer: Outer::new(&scene),
             hull: Hull::new(),
         };
-        Beams { scene, kept }
+        Beams { scene, kept, last: NONE }
     }
 
     /// The same by this kernel.
@@ -138,6 +152,11 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     /// Writes over `pixels`, of which there are `width` by some height, what each shows: see [`Surface::of`].
     pub fn surfaces(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
         self.show(camera, width, pixels, Show::Surfaces)
+    }
+
+    /// Writes over `pixels`, of which there are `width` by some height, the cell in which the ray of each ends: 0 where it leaves them all.
+    pub fn cells(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
+        self.show(camera, width, pixels, Show::Cells)
     }
 
     /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
@@ -187,6 +206,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let prisms = Prisms::new(&self.scene.tables);
         let stand = self.stand(camera);
         let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
+        self.last = start.unwrap_or(NONE);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let shot = Shot { internal, screen, width, show, start, scene, kept: &self.kept };
@@ -194,10 +214,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let mut counts = BeamCounts::default();
         let mut unsure = Vec::new();
         for work in self.kept.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
-            counts.cells += work.counts.cells;
-            counts.spans += work.counts.spans;
-            counts.triangles += work.counts.triangles;
-            work.counts = BeamCounts::default();
+            counts += std::mem::take(&mut work.counts);
             unsure.append(&mut work.unsure);
         }
         counts.unsure = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
@@ -210,29 +227,38 @@ impl<S: Deref<Target = Scene>> Beams<S> {
 
     /// The cell of the eye, and where it is moved to, so that it is in no plane: not out of that cell. Where it is in a solid, every pixel is left to rays.
     fn stand(&self, camera: &Camera) -> Option<(u32, DVec3)> {
-        let cell = self.scene.free_cell(camera.eye()).or_else(|| match self.scene.locate(camera.eye()) {
+        let near = self.scene.free_cell_near(camera.eye(), self.last);
+        let cell = near.or_else(|| match self.scene.locate(camera.eye()) {
             Place::Air { cell, .. } => Some(cell),
             Place::Outside => Some(AROUND),
             Place::InSolid(_) => None,
         })?;
         let prisms = Prisms::new(&self.scene.tables);
         let (eye, cells) = (prisms.local(DVec3::from(camera.eye())), prisms.cells);
-        let holds = |cell: u32, signs: DVec3| {
+        let is_clear = || {
             let record = &cells[cell as usize];
-            record.kind == CellRecord::AIR && prisms.outside(record, eye + ASIDE * signs) < 0.0
+            record.kind == CellRecord::AIR && prisms.outside(record, eye) < -CLEAR
         };
-        if cell == AROUND || holds(cell, DVec3::ONE) {
+        if cell == AROUND || is_clear() {
             return Some((cell, DVec3::ONE));
         }
-        // On a border: into any air that is there.
-        let sign = |index: u32, axis: u32| if index >> axis & 1 == 0 { 1.0 } else { -1.0 };
-        (0..8)
-            .map(|index| DVec3::new(sign(index, 0), sign(index, 1), sign(index, 2)))
-            .find_map(|signs| {
-                let cell = prisms.place(eye + ASIDE * signs, 0.0)?;
-                holds(cell, signs).then_some((cell, signs))
+        // On a border. Of the eight parts of the space around, one of the air from which the matter in the others is as far as can be: so that what looks
+        // past an edge, or a corner, sees past it.
+        let sign = |part: u32, axis: u32| if part >> axis & 1 == 0 { 1.0 } else { -1.0 };
+        let signs = |part: u32| DVec3::new(sign(part, 0), sign(part, 1), sign(part, 2));
+        let places: Vec<Option<u32>> = (0..8)
+            .map(|part| {
+                let cell = prisms.place(eye + ASIDE * signs(part), 0.0)?;
+                (cells[cell as usize].kind == CellRecord::AIR).then_some(cell)
             })
-            .or(Some((cell, DVec3::ONE)))
+            .collect();
+        let parts = || (0..8u32).zip(&places);
+        let away = |part: u32| -> u32 {
+            parts().filter(|(_, place)| place.is_none()).map(|(other, _)| (part ^ other).count_ones()).sum()
+        };
+        let air = parts().filter_map(|(part, place)| place.map(|cell| (part, cell)));
+        let best = air.max_by_key(|&(part, _)| (away(part), std::cmp::Reverse(part)));
+        Some(best.map_or((cell, DVec3::ONE), |(part, cell)| (cell, signs(part))))
     }
 }
 

@@ -4,6 +4,7 @@
 //! kept once: what one part has not the other has, and each pixel of the region is in exactly one of them, however the line is rounded.
 
 use super::kernels::Kernels;
+use super::wide::ROWS;
 
 /// A straight line of the picture, `u x + v y + w = 0` in columns and rows; its positive side is where that is no less than 0.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +30,7 @@ impl Region {
     }
 }
 
-/// The borders of regions, those of a later region after those of an earlier one.
+/// The borders of regions, those of a later region after those of an earlier one, and some more rows, so that eight from any on can be read.
 pub(super) struct Arena {
     columns: Vec<i32>,
     /// The first row of the band.
@@ -38,7 +39,7 @@ pub(super) struct Arena {
 
 impl Arena {
     pub(super) fn new() -> Arena {
-        Arena { columns: Vec::new(), first: 0 }
+        Arena { columns: vec![0; ROWS], first: 0 }
     }
 
     /// Begins anew with a region of all pixels of the band of rows from `first` up to `end`.
@@ -48,17 +49,18 @@ impl Arena {
         self.columns.clear();
         self.columns.resize(count, 0);
         self.columns.resize(2 * count, width);
+        self.columns.resize(2 * count + ROWS, 0);
         Region { rows: [first, end], columns: [0, width], lo: 0, hi: count }
     }
 
     /// How much of it is in use.
     pub(super) fn top(&self) -> usize {
-        self.columns.len()
+        self.columns.len() - ROWS
     }
 
     /// Forgets all borders made since it was so full.
     pub(super) fn forget(&mut self, top: usize) {
-        self.columns.truncate(top);
+        self.columns.truncate(top + ROWS);
     }
 
     fn range(&self, at: usize, rows: [i32; 2]) -> std::ops::Range<usize> {
@@ -69,6 +71,12 @@ impl Arena {
     /// The left and the right borders of a region, row by row.
     pub(super) fn borders(&self, region: &Region) -> [&[i32]; 2] {
         [region.lo, region.hi].map(|at| &self.columns[self.range(at, region.rows)])
+    }
+
+    /// The same, and what comes after: at least seven more.
+    pub(super) fn borders_and_more(&self, region: &Region) -> [&[i32]; 2] {
+        let offset = (region.rows[0] - self.first) as usize;
+        [&self.columns[region.lo.wrapping_add(offset)..], &self.columns[region.hi.wrapping_add(offset)..]]
     }
 
     /// The parts of a region on the positive and on the negative side of a line.
@@ -95,11 +103,12 @@ impl Arena {
         if !(slope.is_finite() && start.is_finite()) {
             return split_by_rows(region, v, w);
         }
-        let top = self.columns.len();
+        let top = self.top();
         let count = (y1 - y0) as usize;
         let (lo, hi) = (self.range(region.lo, region.rows), self.range(region.hi, region.rows));
-        self.columns.resize(top + count, 0);
+        self.columns.resize(top + count + ROWS, 0);
         let (old, new) = self.columns.split_at_mut(top);
+        let new = &mut new[..count];
         let (lo, hi) = (&old[lo], &old[hi]);
         let [least, most] = kernels.split([lo, hi], new, y0, [slope, start]);
         let border = top.wrapping_sub((y0 - self.first) as usize);

@@ -108,16 +108,16 @@ impl Canvas<'_, '_> {
         let screen = detail.screen;
         list(detail, &mut |drawn| {
             *triangles += 1;
-            let (borders, first) = (borders_of(arena, region, drawn.rows), drawn.rows[0]);
+            let (borders, rows) = (borders_of(arena, region, drawn.rows), drawn.rows);
             match show {
                 Show::Light => {
                     let grows = screen.along(drawn.normal).map(|c| c as f32);
                     let color = looks.of(tables, drawn.triangle);
                     let shading = Shading { grows, square: *square, color };
-                    kernels.draw(borders, cover, first, &drawn.deep, &shading);
+                    kernels.draw(borders, cover, rows, &drawn.deep, &shading);
                 }
-                Show::Surfaces => kernels.draw(borders, cover, first, &drawn.deep, &Flat(drawn.triangle)),
-                Show::Cells => kernels.draw(borders, cover, first, &drawn.deep, &Flat(cell)),
+                Show::Surfaces => kernels.draw(borders, cover, rows, &drawn.deep, &Flat(drawn.triangle)),
+                Show::Cells => kernels.draw(borders, cover, rows, &drawn.deep, &Flat(cell)),
             }
         });
     }

@@ -35,11 +35,11 @@ macro_rules! entries {
         pub(super) fn draw<T: super::kernels::Tint>(
             borders: [&[i32]; 2],
             cover: &mut super::kernels::Cover<'_>,
-            first: i32,
+            rows: [i32; 2],
             deep: &super::kernels::Deep,
             tint: &T,
         ) {
-            super::kernels::draw::<$wide, T>(borders, cover, first, deep, tint);
+            super::kernels::draw::<$wide, T>(borders, cover, rows, deep, tint);
         }
 
         #[target_feature(enable = $features)]
@@ -101,11 +101,11 @@ pub(super) fn draw<T: Tint>(
     kernel: Kernel,
     borders: [&[i32]; 2],
     cover: &mut Cover<'_>,
-    first: i32,
+    rows: [i32; 2],
     deep: &Deep,
     tint: &T,
 ) {
-    by_kernel!(kernel, draw, <T>, (borders, cover, first, deep, tint));
+    by_kernel!(kernel, draw, <T>, (borders, cover, rows, deep, tint));
 }
 
 #[inline]

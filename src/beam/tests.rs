@@ -289,18 +289,20 @@ fn hits_are_those_of_rays() {
                 (vec![Hit::ESCAPED; rays.len()], vec![Hit::ESCAPED; rays.len()]);
             beams.hits(&camera, width, want, &mut by_beams);
             scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, want);
-            let mut differing = Vec::new();
+            let (mut differing, mut others) = (Vec::new(), 0);
             for (beam, ray) in by_beams.iter().zip(&by_rays) {
-                // On edges either of two answers is right, and of triangles in one plane either.
-                let is_same = (beam.element, beam.cell, beam.room, beam.semantic, beam.material)
-                    == (ray.element, ray.cell, ray.room, ray.semantic, ray.material)
-                    && (beam.t == ray.t || (beam.t - ray.t).abs() < 1e-9)
-                    && (0..3).all(|i| (beam.normal[i] - ray.normal[i]).abs() < 1e-9);
-                if !is_same {
+                if !(beam.t == ray.t || (beam.t - ray.t).abs() < 1e-9)
+                    || (0..3).any(|i| (beam.normal[i] - ray.normal[i]).abs() > 1e-9)
+                {
                     differing.push((beam, ray));
                 }
+                // Of surfaces that lie on each other either is right.
+                let all = |hit: &Hit| (hit.element, hit.cell, hit.room, hit.semantic, hit.material);
+                others += u32::from(all(beam) != all(ray));
             }
+            // On edges either of two answers is right.
             assert!(differing.len() <= 2, "{name}: {} differ, {:?}", differing.len(), differing[0]);
+            assert!(others <= 20, "{name}: of {others} more than distance or normal differs");
         }
     }
 }

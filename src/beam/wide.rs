@@ -50,15 +50,27 @@ pub(super) trait Wide: Copy {
 
 /// A column for each of eight rows.
 pub(super) trait Columns: Copy {
-    /// The first column in each row from the `first` on that is not left of the line at `start` in row 0 which goes by `slope` a row, held within what
-    /// columns may be. The same bits on every instruction set.
-    fn not_left(slope: f64, start: f64, first: i32) -> Self;
+    /// Where a line passes each of eight rows, in columns.
+    type Lines: Lines<Columns = Self>;
     fn load(from: &[i32; ROWS]) -> Self;
     fn store(self) -> [i32; ROWS];
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     /// Where it is less than another, row i as bit i.
     fn less(self, other: Self) -> u32;
+}
+
+/// Where a line passes each of eight rows, in columns. The same bits on every instruction set.
+pub(super) trait Lines: Copy {
+    type Columns;
+    /// The line at `start` in row 0 which goes by `slope` a row, in the rows from the `first` on. Both are finite.
+    fn new(slope: f64, start: f64, first: i32) -> Self;
+    /// The same column in all rows.
+    fn splat(column: f64) -> Self;
+    /// What is left, and right, of it becomes the farther right, or, if it `is_left`, the farther left of both.
+    fn narrow(borders: &mut [Self; 2], line: Self, is_left: bool);
+    /// The first column in each row that is not left of it, held within what columns may be.
+    fn not_left(self) -> Self::Columns;
 }
 
 /// The farthest column, left and right, that a border may have.
@@ -166,18 +178,8 @@ impl Wide for Portable {
 pub(super) struct PortableColumns([i32; ROWS]);
 
 impl Columns for PortableColumns {
-    #[inline(always)]
-    fn not_left(slope: f64, start: f64, first: i32) -> Self {
-        /// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.
-        const MAGIC: f64 = 6_755_399_441_055_744.0;
-        PortableColumns(each!(ROWS, 0, |i| {
-            let column = start + slope * (f64::from(first) + i as f64);
-            let column = column.max(-FARTHEST).min(FARTHEST);
-            let nearest = (column + MAGIC) - MAGIC;
-            let up = if nearest < column { 1.0 } else { 0.0 };
-            ((nearest + up) + MAGIC).to_bits() as i32
-        }))
-    }
+    type Lines = PortableLines;
+
     #[inline(always)]
     fn load(from: &[i32; ROWS]) -> Self {
         PortableColumns(*from)
@@ -197,6 +199,43 @@ impl Columns for PortableColumns {
     #[inline(always)]
     fn less(self, other: Self) -> u32 {
         (0..ROWS).fold(0, |bits, i| bits | u32::from(self.0[i] < other.0[i]) << i)
+    }
+}
+
+/// For any CPU.
+#[derive(Clone, Copy)]
+pub(super) struct PortableLines([f64; ROWS]);
+
+impl Lines for PortableLines {
+    type Columns = PortableColumns;
+
+    #[inline(always)]
+    fn new(slope: f64, start: f64, first: i32) -> Self {
+        let first = f64::from(first);
+        PortableLines(each!(ROWS, 0.0, |i| start + slope * (first + i as f64)))
+    }
+    #[inline(always)]
+    fn splat(column: f64) -> Self {
+        PortableLines([column; ROWS])
+    }
+    #[inline(always)]
+    fn narrow([left, right]: &mut [Self; 2], line: Self, is_left: bool) {
+        for i in 0..ROWS {
+            let line = line.0[i];
+            left.0[i] = if !is_left && line > left.0[i] { line } else { left.0[i] };
+            right.0[i] = if is_left && line < right.0[i] { line } else { right.0[i] };
+        }
+    }
+    #[inline(always)]
+    fn not_left(self) -> PortableColumns {
+        /// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.
+        const MAGIC: f64 = 6_755_399_441_055_744.0;
+        PortableColumns(each!(ROWS, 0, |i| {
+            let column = self.0[i].max(-FARTHEST).min(FARTHEST);
+            let nearest = (column + MAGIC) - MAGIC;
+            let up = if nearest < column { 1.0 } else { 0.0 };
+            ((nearest + up) + MAGIC).to_bits() as i32
+        }))
     }
 }
 
@@ -255,11 +294,19 @@ pub(super) mod tests {
         let [red, green, blue] = [0.4f32, 200.6, 255.0];
         let rgba = W::bytes(W::splat(red), W::splat(green), W::splat(blue));
         assert_eq!(words::<W>(rgba), [0xffff_c900; WIDE]);
-        let columns = |slope, start| W::Columns::not_left(slope, start, 5).store();
+        let line = |slope, start| <W::Columns as Columns>::Lines::new(slope, start, 5);
+        let columns = |slope, start| line(slope, start).not_left().store();
         assert_eq!(columns(1.0, 0.0), [5, 6, 7, 8, 9, 10, 11, 12]);
         assert_eq!(columns(-0.5, 0.25), [-2, -2, -3, -3, -4, -4, -5, -5]);
         assert_eq!(columns(1e300, 0.0), [1_000_000_000; ROWS]);
         assert_eq!(columns(-1e300, 0.0), [-1_000_000_000; ROWS]);
+        let mut borders = [line(0.0, 3.25), line(0.0, 9.0)];
+        Lines::narrow(&mut borders, line(1.0, -3.0), false);
+        Lines::narrow(&mut borders, line(-1.0, 15.0), true);
+        assert_eq!(borders[0].not_left().store(), [4, 4, 4, 5, 6, 7, 8, 9]);
+        assert_eq!(borders[1].not_left().store(), [9, 9, 8, 7, 6, 5, 4, 3]);
+        let all = <W::Columns as Columns>::Lines::splat(2.5).not_left().store();
+        assert_eq!(all, [3; ROWS]);
         let [lo, hi] = [[3, -1, 7, 0, 0, 2, 9, -8], [1, 0, 9, 0, -1, 2, 8, 8]];
         let [a, b] = [lo, hi].map(|c| W::Columns::load(&c));
         assert_eq!(a.min(b).store(), std::array::from_fn(|i| lo[i].min(hi[i])));

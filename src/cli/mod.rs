@@ -24,6 +24,7 @@ mod style;
 mod trace;
 mod validate;
 mod verify;
+mod walk;
 
 use std::process::ExitCode;
 
@@ -48,6 +49,7 @@ Examples:
   enfilade validate house.glb                     do its rooms, doors and windows make sense?
   enfilade compile house.glb -o house.enf         compile it
   enfilade render house.enf -o house.png          a picture from the largest room
+  enfilade walk house.enf                         walk through its rooms, and tell how fast
   echo '2 1.6 -3 1 0 0' | enfilade trace house.enf --rays -
   enfilade plan house.enf -o house.svg            its floor plan
   enfilade export house.enf --graph house.json    its rooms and what its doors and windows join
@@ -62,6 +64,7 @@ enum Command {
     Validate(validate::Arguments),
     Trace(trace::Arguments),
     Render(render::Arguments),
+    Walk(walk::Arguments),
     Plan(plan::Arguments),
     Export(export::Arguments),
     Verify(verify::Arguments),
@@ -102,6 +105,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Walk(arguments) => walk::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

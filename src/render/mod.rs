@@ -21,6 +21,7 @@ mod png;
 mod shade;
 mod stand;
 mod views;
+mod way;
 mod write;
 
 pub use camera::{Camera, CameraError, Pinhole};
@@ -34,6 +35,7 @@ pub use draw::{RenderError, RenderOptions, render};
 pub use exr::write_exr;
 pub use numbered::numbered;
 pub use picture::{Picture, Pixel};
-pub use png::{srgb_bytes, write_png};
+pub use png::{rgba_bytes, srgb_bytes, write_png, write_png_rgba};
 pub use views::{auto_view, outside_view, room_views};
+pub use way::walk;
 pub use write::WriteError;

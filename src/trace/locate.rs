@@ -110,7 +110,7 @@ impl Scene {
 
     /// The prism of air that holds a point, where that is in no doubt: a ray from there begins nowhere else.
     #[inline]
-    pub(crate) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
+    pub(super) fn free_cell(&self, point: [f64; 3]) -> Option<u32> {
         self.free_cell_near(point, NONE)
     }
 
@@ -122,7 +122,7 @@ impl Scene {
 
     /// The same as [`Scene::free_cell`]; the cell is perhaps `hint`.
     #[inline]
-    pub(super) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
+    pub(crate) fn free_cell_near(&self, point: [f64; 3], hint: u32) -> Option<u32> {
         match self.kernel.free(&self.tables, point, hint) {
             Some((cell, true)) => Some(cell),
             Some((cell, false)) => self.is_beside_solids(point.into()).then_some(cell),

@@ -166,6 +166,44 @@ fn render_writes_pictures() {
 }
 
 #[test]
+fn walks_are_timed_and_written() {
+    let folder = Folder::new();
+    folder.compile_house();
+    folder.write("way.txt", "2 1.6 -3 5 1.6 -3 60\n3 1.6 -3 5 1.6 -3 60\n");
+    let walk = |arguments: &[&str]| {
+        let common =
+            ["walk", "house.enf", "--cams", "way.txt", "--size", "40x24", "--speed", "1", "--rate", "4"];
+        folder.run(&[&common[..], arguments].concat())
+    };
+    let report = walk(&["--json"]).expect(0).json();
+    // A metre in quarters, and where it starts.
+    assert_eq!(report["frames"], 5);
+    assert_eq!(report["width"], 40);
+    assert!(report["frames_per_second"].as_f64().unwrap() > 0.0);
+    assert!(report["cells"].as_f64().unwrap() >= 1.0);
+    assert_eq!(report["left_to_rays"], 0.0);
+
+    walk(&["-o", "frame.png", "--most", "2"]).expect(0);
+    let [first, second] = ["frame.0001.png", "frame.0002.png"].map(|name| folder.read(name));
+    assert!(first.starts_with(b"\x89PNG") && first != second);
+    assert!(!folder.names().contains(&"frame.0003.png".to_owned()));
+
+    walk(&["--raw", "walk.rgba"]).expect(0);
+    let raw = folder.read("walk.rgba");
+    assert_eq!(raw.len(), 5 * 40 * 24 * 4);
+    assert!(raw.iter().skip(3).step_by(4).all(|&alpha| alpha == 255));
+    walk(&["--kernel", "portable", "--raw", "portable.rgba"]).expect(0);
+    let near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
+    assert!(raw.iter().zip(&folder.read("portable.rgba")).all(near), "kernels agree to one step of 255");
+
+    // Without way-points it goes through the rooms.
+    let all = folder.run(&["walk", "house.enf", "--size", "16x16", "--json"]).expect(0).json();
+    assert!(all["frames"].as_u64().unwrap() > 100);
+    walk(&["--speed", "0"]).expect_failure(2, &["more than 0"]);
+    walk(&["--kernel", "neon"]).expect_failure(2, &["portable"]);
+}
+
+#[test]
 fn several_views_are_numbered_frames() {
     let folder = Folder::new();
     folder.compile_house();

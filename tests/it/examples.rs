@@ -9,6 +9,9 @@ use enfilade::{CompileOptions, compile};
 
 // Each example's `main` is its own; its `run` is what is tested.
 #[allow(dead_code)]
+#[path = "../../examples/beams.rs"]
+mod beams;
+#[allow(dead_code)]
 #[path = "../../examples/lidar.rs"]
 mod lidar;
 #[allow(dead_code)]
@@ -166,6 +169,19 @@ fn ways_go_through_doors_and_daylight_through_windows() {
     };
     assert!(fails(&[HOUSE, "Kitchen"]).starts_with("usage: "));
     assert!(fails(&[HOUSE, "Bedroom", "Cellar"]).contains("Cellar"));
+}
+
+#[test]
+fn beams_make_a_picture_of_each_room() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rooms.png");
+    let text = said(|out| beams::run(words([HOUSE, path.to_str().unwrap()]), out));
+    assert_eq!(text.lines().count(), 8);
+    for line in text.lines() {
+        let file = line.split(": ").next().unwrap();
+        assert!(std::fs::read(file).unwrap().starts_with(b"\x89PNG"), "{line}");
+    }
+    assert!(beams::run(words([HOUSE]), &mut Vec::new()).unwrap_err().to_string().starts_with("usage: "));
 }
 
 #[test]
