@@ -7,6 +7,9 @@ use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, NONE, Ray, Starts, Want};
 
+/// What is seen from inside a solid: nothing.
+const IN_SOLID: u32 = 0xff80_8080;
+
 /// Rays that are traced together.
 const TOGETHER: usize = 4096;
 
@@ -46,6 +49,9 @@ impl Rays<'_> {
     }
 
     fn pixel(&self, ray: &Ray, hit: &Hit) -> u32 {
+        if hit.triangle == NONE {
+            return IN_SOLID;
+        }
         let direction = DVec3::from(ray.direction).normalize_or_zero();
         let bright = direction.dot(DVec3::from(hit.normal)).abs().sqrt() as f32;
         let color = self.looks.of(&self.scene.tables, hit.triangle);

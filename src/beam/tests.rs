@@ -13,6 +13,7 @@ use crate::generate::{
     Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random,
     round_room, tower,
 };
+use crate::importers::Semantic;
 use crate::render::{Camera, room_views};
 use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Starts, Want};
 use crate::{CompileOptions, Scene, compile};
@@ -218,11 +219,22 @@ fn from_outside_and_from_within_a_solid() {
     assert_eq!((differences.unwritten, differences.unsure), (0, 0));
     assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
     let mut pixels = vec![0; (width * height) as usize];
-    let wall = scene.triangle(0).map(glam::DVec3::from);
-    let within = (wall[0] + wall[1] + wall[2]) / 3.0;
-    let camera = Camera::looking(within.to_array(), [1.0, 0.2, 0.1], [0.0, 0.0, 1.0], 60.0).unwrap();
-    Beams::new(&scene).paint(&camera, width, &mut pixels);
-    assert!(pixels.iter().all(|&pixel| pixel >> 24 == 0xff));
+    // On a wall's surface, and deep in a wall: from there nothing is seen.
+    let wall = scene.elements().position(|element| element.semantic() == Semantic::Wall).unwrap() as u32;
+    let of_wall: Vec<u32> = (0..scene.detail_triangle_count())
+        .filter(|&triangle| scene.triangle_element(triangle) == wall)
+        .collect();
+    let corners = of_wall.iter().flat_map(|&triangle| scene.triangle(triangle).map(DVec3::from));
+    let middle = corners.clone().sum::<DVec3>() / corners.count() as f64;
+    let [a, b, c] = scene.triangle(of_wall[0]).map(DVec3::from);
+    let mut eyes = vec![(a + b + c) / 3.0];
+    eyes.extend(matches!(scene.locate(middle.to_array()), Place::InSolid(_)).then_some(middle));
+    assert_eq!(eyes.len(), 2, "the middle of the first wall is in it");
+    for eye in eyes {
+        let camera = Camera::looking(eye.to_array(), [1.0, 0.2, 0.1], [0.0, 0.0, 1.0], 60.0).unwrap();
+        Beams::new(&scene).paint(&camera, width, &mut pixels);
+        assert!(pixels.iter().all(|&pixel| pixel >> 24 == 0xff));
+    }
 }
 
 #[test]

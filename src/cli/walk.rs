@@ -34,7 +34,7 @@ A file of way-points has a line 'ex ey ez tx ty tz vfov_degrees' each; # starts 
 pub struct Arguments {
     /// The scene (.enf), or a model, which is compiled on the fly.
     scene: PathBuf,
-    /// A file of way-points; by default the middle of each room, looking level.
+    /// A file of way-points; by default half a turn in the middle of each room.
     #[arg(long, value_name = "FILE")]
     cams: Option<PathBuf>,
     /// Metres in a second.
@@ -172,11 +172,12 @@ fn frames(arguments: &Arguments, scene: &Scene) -> Result<Vec<Camera>, Failure> 
         FrameName::Source => scene.frame(),
         FrameName::Internal => Frame::default(),
     };
-    let points = match &arguments.cams {
-        Some(path) => read_cameras(path, &frame)?,
-        None => room_views(scene, 1),
-    };
-    Ok(walk(&points, arguments.speed / arguments.rate, arguments.turn.to_radians() / arguments.rate))
+    let (step, turn) = (arguments.speed / arguments.rate, arguments.turn.to_radians() / arguments.rate);
+    Ok(match &arguments.cams {
+        Some(path) => walk(&read_cameras(path, &frame)?, step, turn),
+        // From one room to the next there may be walls.
+        None => room_views(scene, 2).chunks(2).flat_map(|views| walk(views, step, turn)).collect(),
+    })
 }
 
 /// Makes the frames, and writes them where that is asked for.
