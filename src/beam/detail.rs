@@ -25,7 +25,7 @@ const ROUNDED: f64 = 1e-6;
 const FRONT: f64 = 1e-6;
 
 /// The triangles of a scene as a picture sees them.
-pub(super) struct Detail<'a> {
+pub(crate) struct Detail<'a> {
     tables: &'a Views,
     /// Along the internal frame's axes.
     pub(super) screen: Screen,
@@ -47,7 +47,7 @@ pub(super) struct Drawn {
 }
 
 impl<'a> Detail<'a> {
-    pub(super) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
+    pub(crate) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
         let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
         let eye = (screen.eye - DVec3::from(tables.scene[0].center)).as_vec3();
         Detail { tables, screen, camera, eye, stack: Vec::new() }
@@ -55,7 +55,7 @@ impl<'a> Detail<'a> {
 
     /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
-        let frustum = self.frustum(region);
+        let frustum = self.frustum(region.columns, region.rows);
         self.stack.clear();
         self.stack.push(root);
         while let Some(link) = self.stack.pop() {
@@ -94,10 +94,36 @@ impl<'a> Detail<'a> {
         }
     }
 
-    /// The planes through the eye and the borders of a region's box, inward.
-    fn frustum(&self, region: &Region) -> [Vec3; 4] {
+    /// Whether a triangle below `root` may show in a rectangle of pixels.
+    pub(crate) fn reaches(&mut self, columns: [i32; 2], rows: [i32; 2], root: u32) -> bool {
+        let frustum = self.frustum(columns, rows);
+        self.stack.clear();
+        self.stack.push(root);
+        while let Some(link) = self.stack.pop() {
+            if link & Leaf::BIT == 0 {
+                let node = &self.tables.nodes[link as usize];
+                let mut seen = reaches(node, self.eye, &frustum);
+                while seen != 0 {
+                    let child = node.child[seen.trailing_zeros() as usize];
+                    seen &= seen - 1;
+                    if child != u32::MAX {
+                        self.stack.push(child);
+                    }
+                }
+                continue;
+            }
+            let leaf = Leaf::new(link);
+            if leaf.mask() & triangles_reach(&self.tables.blocks[leaf.block()], self.eye, &frustum) != 0 {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The planes through the eye and the borders of a rectangle of pixels, inward.
+    fn frustum(&self, columns: [i32; 2], rows: [i32; 2]) -> [Vec3; 4] {
         let Screen { first, across, down, .. } = self.screen;
-        let ([x0, x1], [y0, y1]) = (region.columns.map(f64::from), region.rows.map(f64::from));
+        let ([x0, x1], [y0, y1]) = (columns.map(f64::from), rows.map(f64::from));
         let inward = |along: DVec3, at: DVec3, toward: DVec3| {
             let normal = along.cross(at).normalize_or_zero();
             if normal.dot(toward) < 0.0 { -normal } else { normal }.as_vec3()

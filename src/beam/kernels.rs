@@ -46,7 +46,7 @@ impl Kernels {
 }
 
 /// What the pixels of one surface become.
-pub(super) trait Tint {
+pub(crate) trait Tint {
     /// What is the same for all pixels of a row.
     fn row(&self, y: f32) -> [f32; 2];
 
@@ -55,7 +55,7 @@ pub(super) trait Tint {
 }
 
 /// All pixels become the same.
-pub(super) struct Flat(pub(super) u32);
+pub(crate) struct Flat(pub(crate) u32);
 
 impl Tint for Flat {
     #[inline(always)]

@@ -7,19 +7,19 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-mod check;
-mod detail;
-mod kernels;
-mod parting;
-mod rays;
-mod rows;
-mod screen;
-mod shade;
-mod simd;
+pub(crate) mod check;
+pub(crate) mod detail;
+pub(crate) mod kernels;
+pub(crate) mod parting;
+pub(crate) mod rays;
+pub(crate) mod rows;
+pub(crate) mod screen;
+pub(crate) mod shade;
+pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
-mod walk;
-mod wide;
+pub(crate) mod walk;
+pub(crate) mod wide;
 
 use std::sync::{Mutex, PoisonError};
 
@@ -41,7 +41,7 @@ use crate::trace::{Kernel, NONE, Place, Prisms};
 const BAND: usize = 128;
 
 /// The colour of what lies around.
-const SKY_COLOR: u32 = 0xfff5_ddc8;
+pub(crate) const SKY_COLOR: u32 = 0xfff5_ddc8;
 
 /// What a picture took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,7 +91,7 @@ struct Shot<'s> {
 }
 
 /// Whether no triangle reaches out of the prisms' zone.
-fn holds_all(scene: &Scene) -> bool {
+pub(crate) fn holds_all(scene: &Scene) -> bool {
     let prisms = Prisms::new(&scene.tables);
     scene.tables.vertices.iter().all(|&vertex| prisms.hold(prisms.local(vertex.into())))
 }
@@ -157,12 +157,17 @@ impl<'a> Beams<'a> {
 
     /// The cell of the eye. Where that is in a solid, every pixel is left to rays.
     fn start(&self, camera: &Camera) -> Option<u32> {
-        self.scene.free_cell(camera.eye()).or_else(|| match self.scene.locate(camera.eye()) {
-            Place::Air { cell, .. } => Some(cell),
-            Place::Outside => Some(0),
-            Place::InSolid(_) => None,
-        })
+        cell_of_eye(self.scene, camera)
     }
+}
+
+/// The cell in the air of which the eye is; none in a solid.
+pub(crate) fn cell_of_eye(scene: &Scene, camera: &Camera) -> Option<u32> {
+    scene.free_cell(camera.eye()).or_else(|| match scene.locate(camera.eye()) {
+        Place::Air { cell, .. } => Some(cell),
+        Place::Outside => Some(0),
+        Place::InSolid(_) => None,
+    })
 }
 
 impl Shot<'_> {

@@ -25,7 +25,7 @@ const MOST_PAIRS: usize = 1 << 22;
 
 /// A part of a floor or a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Part {
+pub(crate) enum Part {
     /// Split along the line through two points; the parts on its right and on its left side, as places in the tree.
     Split { line: [DVec2; 2], right: u32, left: u32 },
     /// This one of the covers.
@@ -35,18 +35,18 @@ pub(super) enum Part {
 }
 
 /// The trees of all floors and ceilings.
-pub(super) struct Partings {
+pub(crate) struct Partings {
     ends: Vec<OnceLock<Box<[Part]>>>,
 }
 
 impl Partings {
     /// Of so many cells.
-    pub(super) fn new(cells: usize) -> Partings {
+    pub(crate) fn new(cells: usize) -> Partings {
         Partings { ends: (0..2 * cells).map(|_| OnceLock::new()).collect() }
     }
 
     /// The tree of a cell's floor, or ceiling, which these cover, its root last.
-    pub(super) fn of(
+    pub(crate) fn of(
         &self,
         cell: u32,
         is_ceiling: bool,

@@ -7,7 +7,7 @@ use super::kernels::Kernels;
 
 /// A straight line of the picture, `u x + v y + w = 0` in columns and rows; its positive side is where that is no less than 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line(pub(super) [f64; 3]);
+pub(crate) struct Line(pub(crate) [f64; 3]);
 
 /// A part of a picture.
 #[derive(Clone, Copy, Debug)]

@@ -15,13 +15,13 @@ const HEADLIGHT: f32 = 0.9;
 
 /// What of a plane's pixels is the same for all of them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shading {
+pub(crate) struct Shading {
     /// How the plane's distance grows along the ray through a pixel, for a normal of unit length: with column, row, and in the first.
-    pub(super) grows: [f32; 3],
+    pub(crate) grows: [f32; 3],
     /// The square of the ray's size: alone, with the column, with the row, with the square of the row, of the column.
-    pub(super) square: [f32; 5],
+    pub(crate) square: [f32; 5],
     /// Red, green and blue where the plane faces the eye, at most 255.
-    pub(super) color: [f32; 3],
+    pub(crate) color: [f32; 3],
 }
 
 /// What pixels become.
@@ -34,11 +34,11 @@ pub(super) enum Show {
 }
 
 /// The bit of the number of what pixels show that says: a source of faces, by its number; else a triangle.
-pub(super) const SOURCE: u32 = 1 << 31;
+pub(crate) const SOURCE: u32 = 1 << 31;
 /// The number of what lies around.
-pub(super) const SKY: u32 = u32::MAX;
+pub(crate) const SKY: u32 = u32::MAX;
 /// The number of what cells do not tell.
-pub(super) const UNSURE: u32 = u32::MAX - 1;
+pub(crate) const UNSURE: u32 = u32::MAX - 1;
 
 /// Some rows of a picture being painted.
 pub(super) struct Canvas<'a, 'd> {
@@ -59,24 +59,24 @@ pub(super) struct Canvas<'a, 'd> {
 }
 
 /// The colours of materials that face the lamp: red, green and blue, at most 255 each.
-pub(super) struct Looks(Vec<[f32; 3]>);
+pub(crate) struct Looks(Vec<[f32; 3]>);
 
 impl Looks {
-    pub(super) fn new(tables: &Views) -> Looks {
+    pub(crate) fn new(tables: &Views) -> Looks {
         let look = |color: [f32; 3]| color.map(|c| 255.0 * to_srgb(c.clamp(0.0, 1.0)) * HEADLIGHT.sqrt());
         let looks = tables.materials.iter().map(|material| look(material.base_color));
         Looks(looks.chain([look([1.0; 3])]).collect())
     }
 
     /// That of a triangle.
-    pub(super) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
+    pub(crate) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
         let material = tables.record(triangle).material as usize;
         self.0[material.min(self.0.len() - 1)]
     }
 }
 
 /// The square of the size of a ray, as [`Shading::square`].
-pub(super) fn square(screen: &Screen) -> [f32; 5] {
+pub(crate) fn square(screen: &Screen) -> [f32; 5] {
     let (first, across, down) = (screen.first, screen.across, screen.down);
     let square = [
         first.length_squared(),

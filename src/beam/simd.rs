@@ -5,6 +5,7 @@ use super::kernels::{self, Cover, Deep, Tint};
 use super::wide::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
+use crate::packets::Band;
 use crate::trace::Kernel;
 
 /// The loops, compiled for sixteen pixels of this kind, with these features of the CPU.
@@ -40,6 +41,11 @@ macro_rules! entries {
             tint: &T,
         ) {
             super::kernels::draw::<$wide, T>(borders, cover, first, deep, tint);
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn packets(band: &mut crate::packets::Band<'_, '_>) {
+            band.run::<$wide>();
         }
 
         #[cfg(test)]
@@ -101,6 +107,20 @@ pub(super) fn draw<T: Tint>(
     tint: &T,
 ) {
     by_kernel!(kernel, draw, <T>, (borders, cover, first, deep, tint));
+}
+
+/// Paints a band of rows by packets.
+pub(crate) fn packets(kernel: Kernel, band: &mut Band<'_, '_>) {
+    #[cfg(target_arch = "x86_64")]
+    match kernel.extensions() {
+        // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
+        [_, true] => return unsafe { avx512::packets(band) },
+        // SAFETY: as above.
+        [true, _] => return unsafe { avx2::packets(band) },
+        _ => {}
+    }
+    let _ = kernel;
+    band.run::<Portable>();
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

@@ -4,14 +4,14 @@
 //! eye and the footprint's corners split the region into one part a side; then a line each tells the rays that come to the floor or the ceiling
 //! before. What leads to air goes on there; all else is shown.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::kernels::Kernels;
 use super::parting::{Part, Partings};
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, PLAIN, PlaneRecord, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::{NONE, Prisms};
 
 /// Beams that are split more often end in doubt: only files made to be slow do that.
@@ -124,17 +124,12 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     /// The floor (`up` is -1) or ceiling (1) of a cell.
     fn level(&self, plane: u32, up: f64) -> Plane {
-        let PlaneRecord { slope: [p, q], height } = self.prisms.plane(plane);
-        let eye = self.screen.eye;
-        let over = eye.z - p * eye.x - q * eye.y - height;
-        self.screen.plane(DVec3::new(-p, -q, 1.0) * up, over * up)
+        self.screen.level(self.prisms.plane(plane), up)
     }
 
     /// The upright plane over a side, which goes from `a` to `b`.
     fn upright(&self, a: DVec2, b: DVec2) -> Plane {
-        let (edge, eye) = (b - a, self.screen.eye.truncate());
-        let normal = DVec2::new(edge.y, -edge.x);
-        self.screen.plane(normal.extend(0.0), normal.dot(eye - a))
+        self.screen.upright(a, b)
     }
 
     /// What the rays of a region meet around the prisms. No triangle within is met by them, or they would not have come there.
@@ -180,8 +175,7 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     /// The line through the eye's place in the plan and a corner: rays to the left of it, seen from above, are on its positive side.
     fn past(&self, corner: DVec2) -> (DVec2, Line) {
-        let way = corner - self.screen.eye.truncate();
-        (way, Line(self.screen.along(DVec3::new(-way.y, way.x, 0.0))))
+        self.screen.past(corner)
     }
 
     /// The eye is over the footprint, below or in it: a plane through the first corner halves what can be seen, and on each half the sides follow
@@ -355,6 +349,6 @@ struct In<'a> {
     ends: [Plane; 2],
 }
 
-pub(super) fn corner(side: &SideRecord) -> DVec2 {
+pub(crate) fn corner(side: &SideRecord) -> DVec2 {
     DVec2::from(side.start.map(f64::from))
 }

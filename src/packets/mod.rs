@@ -1,0 +1,211 @@
+//! Pictures by packets of rays: what every pixel's ray meets first, told for many pixels at once.
+//!
+//! A packet is a rectangle of pixels. Where the rays of its corners leave a convex cell through one face, all of its rays do; else it is
+//! split, and its parts go on from there (see `docs/PACKETS.md`).
+
+mod band;
+mod shot;
+#[cfg(all(test, feature = "compile"))]
+mod tests;
+mod tree;
+
+use std::sync::{Mutex, PoisonError};
+
+pub(crate) use band::Band;
+use band::{LARGEST, Packet};
+use shot::{Shot, Show};
+use tree::Tree;
+
+use crate::beam::check::{UNWRITTEN, compare};
+use crate::beam::detail::Detail;
+use crate::beam::parting::Partings;
+use crate::beam::rays::Rays;
+use crate::beam::screen::Screen;
+use crate::beam::shade::{Looks, square};
+use crate::beam::{Differences, SKY_COLOR, cell_of_eye, holds_all, simd};
+use crate::render::Camera;
+use crate::scene::Scene;
+use crate::trace::{Kernel, NONE, Prisms};
+
+/// What a picture took. Of its pixels each is told by a packet as a whole, apart from others in a leaf, or by a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PacketCounts {
+    /// Packets: those that the picture was cut into, and those that others were split into.
+    pub packets: u64,
+    /// Packets that were split.
+    pub splits: u64,
+    /// Packets that were too small to be split: whose pixels were told one by one.
+    pub leaves: u64,
+    /// Cells, each as often as a packet or a part of one came through.
+    pub cells: u64,
+    /// Pixels told by a packet as a whole.
+    pub whole: u64,
+    /// Pixels told one by one in leaves.
+    pub apart: u64,
+    /// Pixels left to rays.
+    pub rays: u64,
+}
+
+/// Makes pictures of one scene, with what it needs kept from one to the next.
+pub struct Packets<'a> {
+    scene: &'a Scene,
+    kernel: Kernel,
+    partings: Partings,
+    looks: Looks,
+    /// Not in use.
+    works: Mutex<Vec<Work>>,
+    /// Pictures made.
+    shots: u64,
+    /// Whether there is nothing around the prisms.
+    is_whole: bool,
+}
+
+/// What a thread needs for a band.
+struct Work {
+    tree: Tree,
+    /// Which picture the tree is of, and where rays start in it.
+    shot: u64,
+    root: u32,
+    stack: Vec<Packet>,
+    unsure: Vec<[i32; 3]>,
+    counts: PacketCounts,
+}
+
+impl<'a> Packets<'a> {
+    /// For pictures of this scene.
+    pub fn new(scene: &'a Scene) -> Packets<'a> {
+        Packets {
+            scene,
+            kernel: Kernel::avx512().unwrap_or(Kernel::best()),
+            partings: Partings::new(scene.tables.cells.len()),
+            looks: Looks::new(&scene.tables),
+            works: Mutex::new(Vec::new()),
+            shots: 0,
+            is_whole: scene.tables.cells.len() > 1 && holds_all(scene),
+        }
+    }
+
+    /// The same by this kernel.
+    pub fn with_kernel(self, kernel: Kernel) -> Packets<'a> {
+        Packets { kernel, ..self }
+    }
+
+    /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: as
+    /// [`Beams::paint`](crate::beam::Beams::paint) does.
+    ///
+    /// With the feature `rayon` the rows are shared among the threads of the current pool.
+    pub fn paint(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> PacketCounts {
+        self.show(camera, width, pixels, Show::Light)
+    }
+
+    /// Writes over `pixels`, of which there are `width` by some height, what each shows: see [`Surface::of`](crate::beam::Surface::of).
+    pub fn surfaces(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> PacketCounts {
+        self.show(camera, width, pixels, Show::Surfaces)
+    }
+
+    /// Writes over `pixels`, of which there are `width` by some height, the longer edge of the packet that told what each shows, pixels: 1 where it was told
+    /// apart from others, 0 where it is left to a ray.
+    pub fn sizes(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> PacketCounts {
+        self.show(camera, width, pixels, Show::Sizes)
+    }
+
+    /// Compares the picture that `camera` takes with what the ray of each pixel meets.
+    pub fn differences(&mut self, camera: &Camera, width: u32, height: u32) -> Differences {
+        let mut pixels = vec![UNWRITTEN; width as usize * height as usize];
+        self.surfaces(camera, width, &mut pixels);
+        compare(self.scene, camera, width, &pixels)
+    }
+
+    fn show(&mut self, camera: &Camera, width: u32, pixels: &mut [u32], show: Show) -> PacketCounts {
+        let height = pixels.len().checked_div(width as usize).unwrap_or(0) as u32;
+        if height == 0 {
+            return PacketCounts::default();
+        }
+        self.shots += 1;
+        let tables = &self.scene.tables;
+        let prisms = Prisms::new(tables);
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms);
+        let cell = cell_of_eye(self.scene, camera);
+        let shot = Shot {
+            number: self.shots,
+            tables,
+            prisms,
+            internal: screen.internal(&prisms),
+            square: square(&screen),
+            screen,
+            partings: &self.partings,
+            looks: &self.looks,
+            width,
+            show,
+            start: cell.filter(|&cell| cell != 0),
+            around: if self.is_whole { NONE } else { tables.cells[0].root },
+        };
+        self.bands(&shot, pixels);
+        let (mut counts, mut unsure) = (PacketCounts::default(), Vec::new());
+        for work in self.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
+            counts.add(&std::mem::take(&mut work.counts));
+            unsure.append(&mut work.unsure);
+        }
+        if show == Show::Light {
+            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start: cell };
+            rays.shade(&unsure, pixels, SKY_COLOR);
+        }
+        counts
+    }
+
+    /// Makes all rows, by bands.
+    fn bands(&self, shot: &Shot<'_>, pixels: &mut [u32]) {
+        let size = LARGEST as usize * shot.width as usize;
+        #[cfg(feature = "rayon")]
+        if rayon::current_num_threads() > 1 {
+            use rayon::prelude::*;
+            pixels.par_chunks_mut(size).enumerate().for_each(|(index, band)| self.band(shot, index, band));
+            return;
+        }
+        pixels.chunks_mut(size).enumerate().for_each(|(index, band)| self.band(shot, index, band));
+    }
+
+    fn band(&self, shot: &Shot<'_>, index: usize, pixels: &mut [u32]) {
+        let works = || self.works.lock().unwrap_or_else(PoisonError::into_inner);
+        let work = works().pop();
+        let mut work = work.unwrap_or_else(|| Work::new(self.scene.tables.cells.len()));
+        if work.shot != shot.number {
+            work.shot = shot.number;
+            work.root = work.tree.begin(shot);
+        }
+        let mut band = Band {
+            shot,
+            tree: &mut work.tree,
+            detail: Detail::new(shot.tables, shot.internal),
+            pixels,
+            top: index as i32 * LARGEST,
+            root: work.root,
+            stack: &mut work.stack,
+            unsure: &mut work.unsure,
+            counts: PacketCounts::default(),
+        };
+        simd::packets(self.kernel, &mut band);
+        let counts = band.counts;
+        work.counts.add(&counts);
+        works().push(work);
+    }
+}
+
+impl Work {
+    fn new(cells: usize) -> Work {
+        let (stack, unsure, counts) = Default::default();
+        Work { tree: Tree::new(cells), shot: 0, root: 0, stack, unsure, counts }
+    }
+}
+
+impl PacketCounts {
+    fn add(&mut self, other: &PacketCounts) {
+        self.packets += other.packets;
+        self.splits += other.splits;
+        self.leaves += other.leaves;
+        self.cells += other.cells;
+        self.whole += other.whole;
+        self.apart += other.apart;
+        self.rays += other.rays;
+    }
+}
