@@ -37,7 +37,7 @@ pub(crate) struct Detail<'a> {
 }
 
 /// A triangle, ready to be drawn.
-pub(super) struct Drawn {
+pub(crate) struct Drawn {
     pub(super) triangle: u32,
     /// The rows that it may reach.
     pub(super) rows: [i32; 2],
@@ -55,7 +55,7 @@ impl<'a> Detail<'a> {
 
     /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
-        let frustum = self.frustum(region.columns, region.rows);
+        let frustum = self.frustum(region);
         self.stack.clear();
         self.stack.push(root);
         while let Some(link) = self.stack.pop() {
@@ -94,36 +94,10 @@ impl<'a> Detail<'a> {
         }
     }
 
-    /// Whether a triangle below `root` may show in a rectangle of pixels.
-    pub(crate) fn reaches(&mut self, columns: [i32; 2], rows: [i32; 2], root: u32) -> bool {
-        let frustum = self.frustum(columns, rows);
-        self.stack.clear();
-        self.stack.push(root);
-        while let Some(link) = self.stack.pop() {
-            if link & Leaf::BIT == 0 {
-                let node = &self.tables.nodes[link as usize];
-                let mut seen = reaches(node, self.eye, &frustum);
-                while seen != 0 {
-                    let child = node.child[seen.trailing_zeros() as usize];
-                    seen &= seen - 1;
-                    if child != u32::MAX {
-                        self.stack.push(child);
-                    }
-                }
-                continue;
-            }
-            let leaf = Leaf::new(link);
-            if leaf.mask() & triangles_reach(&self.tables.blocks[leaf.block()], self.eye, &frustum) != 0 {
-                return true;
-            }
-        }
-        false
-    }
-
-    /// The planes through the eye and the borders of a rectangle of pixels, inward.
-    fn frustum(&self, columns: [i32; 2], rows: [i32; 2]) -> [Vec3; 4] {
+    /// The planes through the eye and the borders of a region's box, inward.
+    fn frustum(&self, region: &Region) -> [Vec3; 4] {
         let Screen { first, across, down, .. } = self.screen;
-        let ([x0, x1], [y0, y1]) = (columns.map(f64::from), rows.map(f64::from));
+        let ([x0, x1], [y0, y1]) = (region.columns.map(f64::from), region.rows.map(f64::from));
         let inward = |along: DVec3, at: DVec3, toward: DVec3| {
             let normal = along.cross(at).normalize_or_zero();
             if normal.dot(toward) < 0.0 { -normal } else { normal }.as_vec3()

@@ -26,7 +26,7 @@ pub(crate) struct Shading {
 
 /// What pixels become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Show {
+pub(crate) enum Show {
     /// Colours.
     Light,
     /// Numbers of what they show, see [`Surface`](super::Surface).
@@ -41,21 +41,21 @@ pub(crate) const SKY: u32 = u32::MAX;
 pub(crate) const UNSURE: u32 = u32::MAX - 1;
 
 /// Some rows of a picture being painted.
-pub(super) struct Canvas<'a, 'd> {
-    pub(super) tables: &'a Views,
-    pub(super) kernels: Kernels,
-    pub(super) show: Show,
-    pub(super) cover: Cover<'a>,
-    pub(super) looks: &'a Looks,
-    pub(super) square: [f32; 5],
-    pub(super) sky: u32,
+pub(crate) struct Canvas<'a, 'd> {
+    pub(crate) tables: &'a Views,
+    pub(crate) kernels: Kernels,
+    pub(crate) show: Show,
+    pub(crate) cover: Cover<'a>,
+    pub(crate) looks: &'a Looks,
+    pub(crate) square: [f32; 5],
+    pub(crate) sky: u32,
     /// Parts of rows that rays must tell: the row, and from where up to where.
-    pub(super) unsure: &'a mut Vec<[i32; 3]>,
-    pub(super) detail: &'a mut Detail<'d>,
+    pub(crate) unsure: &'a mut Vec<[i32; 3]>,
+    pub(crate) detail: &'a mut Detail<'d>,
     /// Triangles drawn.
-    pub(super) triangles: u64,
+    pub(crate) triangles: u64,
     /// Parts of rows.
-    pub(super) spans: u64,
+    pub(crate) spans: u64,
 }
 
 /// The colours of materials that face the lamp: red, green and blue, at most 255 each.

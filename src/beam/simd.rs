@@ -1,7 +1,7 @@
 //! The loops of `kernels`, compiled for what the CPU has.
 #![allow(unsafe_code)]
 
-use super::kernels::{self, Cover, Deep, Tint};
+use super::kernels::{self, Cover, Deep, Kernels, Tint};
 use super::wide::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
@@ -44,7 +44,7 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        pub(super) fn packets(band: &mut crate::packets::Band<'_, '_>) {
+        pub(super) fn packets(band: &mut crate::packets::Band<'_, '_, '_>) {
             band.run::<$wide>();
         }
 
@@ -110,16 +110,16 @@ pub(super) fn draw<T: Tint>(
 }
 
 /// Paints a band of rows by packets.
-pub(crate) fn packets(kernel: Kernel, band: &mut Band<'_, '_>) {
+pub(crate) fn packets(kernels: Kernels, band: &mut Band<'_, '_, '_>) {
     #[cfg(target_arch = "x86_64")]
-    match kernel.extensions() {
+    match kernels.0.extensions() {
         // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
         [_, true] => return unsafe { avx512::packets(band) },
         // SAFETY: as above.
         [true, _] => return unsafe { avx2::packets(band) },
         _ => {}
     }
-    let _ = kernel;
+    let _ = kernels;
     band.run::<Portable>();
 }
 

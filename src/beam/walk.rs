@@ -19,7 +19,7 @@ const MOST_TASKS: usize = 1 << 22;
 
 /// What a region of a picture shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Seen {
+pub(crate) enum Seen {
     /// A wall, floor or ceiling of a cell: what it is by its number among the sources, and whether that fills it, in one plane.
     Face { source: u32, plane: Plane, is_plain: bool },
     /// Nothing at all.
@@ -29,7 +29,7 @@ pub(super) enum Seen {
 }
 
 /// What becomes of the parts of a picture.
-pub(super) trait Paint {
+pub(crate) trait Paint {
     /// Takes a region: no pixel comes twice, and each of the picture comes once.
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen);
 

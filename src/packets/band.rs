@@ -7,21 +7,22 @@ use super::PacketCounts;
 use super::shot::{Shot, Show};
 use super::tree::{Node, Tree};
 use crate::beam::SKY_COLOR;
-use crate::beam::detail::Detail;
-use crate::beam::kernels::{Flat, Tint};
-use crate::beam::shade::{SKY, SOURCE, UNSURE};
-use crate::beam::wide::{WIDE, Wide};
+use crate::beam::kernels::{Cover, Flat, Tint, put};
+use crate::beam::rows::{Arena, Region};
+use crate::beam::shade::{Canvas, SKY, SOURCE};
+use crate::beam::walk::{Paint, Seen};
+use crate::beam::wide::{ALL, WIDE, Wide};
 
 /// The edge of the packets that a picture is cut into at first, pixels.
 pub(super) const LARGEST: i32 = 64;
 
-/// Rows of a packet that is not split any more; it has [`WIDE`] columns.
-const LEAF_ROWS: usize = 4;
+/// Rows of a packet that is not split any more; it has no more than [`WIDE`] columns.
+const ROWS: usize = 4;
 
 /// Packets that come through more cells end in doubt: only files made to be slow do that.
 const MOST_CELLS: u32 = 1 << 12;
 
-/// A rectangle of pixels whose rays have come to one place of the tree.
+/// A rectangle of pixels whose rays have come to one place of the tree. It starts at a multiple of [`WIDE`] columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packet {
     /// First column and row.
@@ -30,6 +31,14 @@ pub(super) struct Packet {
     to: [i32; 2],
     node: u32,
     /// How many cells they came through.
+    cells: u32,
+}
+
+/// Some pixels of a packet that is split no more, pixel i of row j as bit `16 j + i`, that have come to one place of the tree.
+#[derive(Clone, Copy)]
+struct Lot {
+    bits: u64,
+    node: u32,
     cells: u32,
 }
 
@@ -43,43 +52,44 @@ impl Packet {
         columns as u64 * rows as u64
     }
 
+    /// The longer edge, pixels.
+    fn edge(&self) -> u32 {
+        let [columns, rows] = self.size();
+        columns.max(rows) as u32
+    }
+
     fn is_leaf(&self) -> bool {
         let [columns, rows] = self.size();
-        columns <= WIDE as i32 && rows <= LEAF_ROWS as i32
+        columns <= WIDE as i32 && rows <= ROWS as i32
+    }
+
+    /// All pixels of one that is split no more.
+    fn bits(&self) -> u64 {
+        let [columns, rows] = self.size();
+        let row = u64::MAX >> (64 - columns as u32);
+        (0..rows).fold(0, |bits, j| bits | row << (WIDE as i32 * j))
     }
 }
 
-/// Lot rows of a picture being made.
-pub(crate) struct Band<'a, 's> {
+/// Some rows of a picture being made.
+pub(crate) struct Band<'a, 's, 'd> {
     pub(super) shot: &'a Shot<'s>,
     pub(super) tree: &'a mut Tree,
-    pub(super) detail: Detail<'a>,
-    pub(super) pixels: &'a mut [u32],
-    /// The first row.
-    pub(super) top: i32,
+    pub(super) canvas: Canvas<'a, 'd>,
+    pub(super) arena: &'a mut Arena,
     /// Where rays start in the tree.
     pub(super) root: u32,
     pub(super) stack: &'a mut Vec<Packet>,
-    /// Parts of rows that rays must tell: the row, and from where up to where.
-    pub(super) unsure: &'a mut Vec<[i32; 3]>,
     pub(super) counts: PacketCounts,
 }
 
-/// Lot pixels of a leaf, pixel i of row j as bit `16 j + i`, that have come to one place of the tree.
-#[derive(Clone, Copy)]
-struct Lot {
-    bits: u64,
-    node: u32,
-    cells: u32,
-}
-
-impl Band<'_, '_> {
+impl Band<'_, '_, '_> {
     /// Makes all pixels.
     #[inline(always)]
     pub(crate) fn run<W: Wide>(&mut self) {
-        let width = self.shot.width as i32;
-        let end = self.top + (self.pixels.len() / width as usize) as i32;
-        for y in (self.top..end).step_by(LARGEST as usize) {
+        let (width, top) = (self.canvas.cover.width as i32, self.canvas.cover.top);
+        let end = top + self.canvas.cover.rows.len() as i32;
+        for y in (top..end).step_by(LARGEST as usize) {
             for x in (0..width).step_by(LARGEST as usize) {
                 let to = [(x + LARGEST).min(width), (y + LARGEST).min(end)];
                 self.stack.push(Packet { from: [x, y], to, node: self.root, cells: 0 });
@@ -117,209 +127,199 @@ impl Band<'_, '_> {
                     packet.cells += 1;
                     self.counts.cells += 1;
                     if packet.cells > MOST_CELLS {
-                        return self.doubt::<W>(&packet);
+                        return self.doubt(&packet);
                     }
                 }
-                Node::Detail { root, next } => {
-                    let [columns, rows] = [0, 1].map(|axis| [packet.from[axis], packet.to[axis]]);
-                    if !self.detail.reaches(columns, rows, root) {
-                        packet.node = next;
-                    } else if packet.is_leaf() {
-                        return self.doubt::<W>(&packet);
-                    } else {
-                        return self.split(&packet, [1.0; 2]);
-                    }
+                Node::Detail { detail, next } => {
+                    self.detail(&packet, None, detail);
+                    packet.node = next;
                 }
                 Node::Unknown(_) | Node::Part { .. } => self.tree.grow(self.shot, packet.node),
-                Node::Face(face) => return self.face::<W>(&packet, face),
-                Node::Sky => return self.sky::<W>(&packet),
-                Node::Unsure => return self.doubt::<W>(&packet),
+                Node::Face(face) => {
+                    let face = &self.tree.faces[face as usize];
+                    self.counts.whole += packet.pixels();
+                    return match self.shot.show {
+                        Show::Light => all::<W>(&mut self.canvas.cover, &packet, &face.shading),
+                        Show::Surfaces => {
+                            all::<W>(&mut self.canvas.cover, &packet, &Flat(SOURCE | face.source));
+                        }
+                        Show::Sizes => all::<W>(&mut self.canvas.cover, &packet, &Flat(packet.edge())),
+                    };
+                }
+                Node::Rough(rough) if self.shot.show != Show::Sizes => {
+                    return self.rough(&packet, None, rough);
+                }
+                Node::Sky | Node::Rough(_) => {
+                    self.counts.whole += packet.pixels();
+                    let tint = self.around(packet.edge());
+                    return all::<W>(&mut self.canvas.cover, &packet, &tint);
+                }
+                Node::Unsure => return self.doubt(&packet),
             }
         }
     }
 
-    /// Splits a packet whose corners are on two sides of a line, which in half its width and height grows by `reach`.
+    /// Splits a packet whose corners are on two sides of a line, which in half its width and height grows by `reach`: in two across the axis along which
+    /// it grows by far the most, else in four.
+    #[inline(always)]
     fn split(&mut self, packet: &Packet, reach: [f64; 2]) {
         self.counts.splits += 1;
-        let size = packet.size();
-        let grain = [WIDE as i32, LEAF_ROWS as i32];
-        let may = [0, 1].map(|axis| size[axis] > grain[axis]);
-        let must = [may[0] && (!may[1] || reach[0] * 2.0 >= reach[1]), may[1] && (!may[0] || reach[1] * 2.0 >= reach[0])];
+        let (size, grain) = (packet.size(), [WIDE as i32, ROWS as i32]);
+        let [wide, high] = [0, 1].map(|axis| size[axis] > grain[axis]);
+        let across = wide && (!high || reach[0] * 2.0 >= reach[1]);
+        let down = high && (!wide || reach[1] * 2.0 >= reach[0]);
         let middle = |axis: usize| {
-            let half = (size[axis] / 2 + grain[axis] - 1) / grain[axis] * grain[axis];
-            packet.from[axis] + half
+            packet.from[axis] + (size[axis] / 2 + grain[axis] - 1) / grain[axis] * grain[axis]
         };
-        let mut push = |from: [i32; 2], to: [i32; 2]| self.stack.push(Packet { from, to, ..*packet });
         let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
-        match must {
-            [true, true] => {
-                let (x, y) = (middle(0), middle(1));
-                push([x, y], [x1, y1]);
-                push([x0, y], [x, y1]);
-                push([x, y0], [x1, y]);
-                push([x0, y0], [x, y]);
-            }
-            [true, false] => {
-                let x = middle(0);
-                push([x, y0], [x1, y1]);
-                push([x0, y0], [x, y1]);
-            }
-            _ => {
-                let y = middle(1);
-                push([x0, y], [x1, y1]);
-                push([x0, y0], [x1, y]);
-            }
+        let (x, y) = (if across { middle(0) } else { x1 }, if down { middle(1) } else { y1 });
+        let stack = &mut *self.stack;
+        let mut push = |from: [i32; 2], to: [i32; 2]| stack.push(Packet { from, to, ..*packet });
+        if across && down {
+            push([x, y], [x1, y1]);
         }
+        if down {
+            push([x0, y], [x, y1]);
+        }
+        if across {
+            push([x, y0], [x1, y]);
+        }
+        push([x0, y0], [x, y]);
     }
 
     /// Tells pixel by pixel what a packet that is split no more shows.
     #[inline(always)]
     fn leaf<W: Wide>(&mut self, packet: &Packet) {
         self.counts.leaves += 1;
-        let [columns, rows] = packet.size();
-        let row = u64::MAX >> (64 - columns as u32);
-        let bits = (0..rows).fold(0, |bits, j| bits | row << (WIDE as i32 * j));
         // Each has a pixel that no other has.
-        let mut stack = [Lot { bits: 0, node: 0, cells: 0 }; WIDE * LEAF_ROWS];
-        stack[0] = Lot { bits, node: packet.node, cells: packet.cells };
+        let mut stack = [Lot { bits: 0, node: 0, cells: 0 }; WIDE * ROWS];
+        stack[0] = Lot { bits: packet.bits(), node: packet.node, cells: packet.cells };
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let mut some = stack[count];
+            let mut lot = stack[count];
             loop {
-                match self.tree.nodes[some.node as usize] {
+                match self.tree.nodes[lot.node as usize] {
                     Node::Line { line, sides } => {
                         let below = below::<W>(packet.from, line);
-                        let both = [some.bits & !below, some.bits & below];
-                        if both[1] == 0 {
-                            some.node = sides[0];
-                        } else if both[0] == 0 {
-                            some.node = sides[1];
+                        let parts = [lot.bits & !below, lot.bits & below];
+                        if parts[1] == 0 {
+                            lot.node = sides[0];
+                        } else if parts[0] == 0 {
+                            lot.node = sides[1];
                         } else {
-                            stack[count] = Lot { bits: both[1], node: sides[1], ..some };
+                            stack[count] = Lot { bits: parts[1], node: sides[1], ..lot };
                             count += 1;
-                            some = Lot { bits: both[0], node: sides[0], ..some };
+                            lot = Lot { bits: parts[0], node: sides[0], ..lot };
                         }
                         continue;
                     }
                     Node::Cell { next } => {
-                        some.node = next;
-                        some.cells += 1;
+                        lot.node = next;
+                        lot.cells += 1;
                         self.counts.cells += 1;
-                        if some.cells <= MOST_CELLS {
+                        if lot.cells <= MOST_CELLS {
                             continue;
                         }
-                        self.doubt_some::<W>(packet, some.bits);
+                        self.doubt_some(packet, lot.bits);
                     }
-                    Node::Detail { root, next } => {
-                        let [columns, rows] = [0, 1].map(|axis| [packet.from[axis], packet.to[axis]]);
-                        if !self.detail.reaches(columns, rows, root) {
-                            some.node = next;
-                            continue;
-                        }
-                        self.doubt_some::<W>(packet, some.bits);
+                    Node::Detail { detail, next } => {
+                        self.detail(packet, Some(lot.bits), detail);
+                        lot.node = next;
+                        continue;
                     }
                     Node::Unknown(_) | Node::Part { .. } => {
-                        self.tree.grow(self.shot, some.node);
+                        self.tree.grow(self.shot, lot.node);
                         continue;
                     }
                     Node::Face(face) => {
                         let face = &self.tree.faces[face as usize];
-                        self.counts.apart += u64::from(some.bits.count_ones());
-                        let mut canvas = Canvas { pixels: self.pixels, top: self.top, width: self.shot.width };
+                        self.counts.apart += u64::from(lot.bits.count_ones());
+                        let cover = &mut self.canvas.cover;
                         match self.shot.show {
-                            Show::Light => canvas.some::<W>(packet.from, some.bits, &face.shading),
+                            Show::Light => some::<W>(cover, packet.from, lot.bits, &face.shading),
                             Show::Surfaces => {
-                                canvas.some::<W>(packet.from, some.bits, &Flat(SOURCE | face.source));
+                                some::<W>(cover, packet.from, lot.bits, &Flat(SOURCE | face.source));
                             }
-                            Show::Sizes => canvas.some::<W>(packet.from, some.bits, &Flat(1)),
+                            Show::Sizes => some::<W>(cover, packet.from, lot.bits, &Flat(1)),
                         }
                     }
-                    Node::Sky => {
-                        self.counts.apart += u64::from(some.bits.count_ones());
-                        let tint = Flat(self.flat(SKY_COLOR, SKY, 1));
-                        self.some::<W>(packet, some.bits, &tint);
+                    Node::Rough(rough) if self.shot.show != Show::Sizes => {
+                        self.rough(packet, Some(lot.bits), rough);
                     }
-                    Node::Unsure => self.doubt_some::<W>(packet, some.bits),
+                    Node::Sky | Node::Rough(_) => {
+                        self.counts.apart += u64::from(lot.bits.count_ones());
+                        let tint = self.around(1);
+                        some::<W>(&mut self.canvas.cover, packet.from, lot.bits, &tint);
+                    }
+                    Node::Unsure => self.doubt_some(packet, lot.bits),
                 }
                 break;
             }
         }
     }
 
-    /// What a pixel becomes that is the same everywhere.
-    fn flat(&self, light: u32, surface: u32, size: u32) -> u32 {
-        match self.shot.show {
-            Show::Light => light,
-            Show::Surfaces => surface,
+    /// What pixels become that show what lies around; those of sizes this one.
+    fn around(&self, size: u32) -> Flat {
+        Flat(match self.shot.show {
+            Show::Light => SKY_COLOR,
+            Show::Surfaces => SKY,
             Show::Sizes => size,
+        })
+    }
+
+    /// A packet, or some pixels of a leaf, as rows.
+    fn region(&mut self, packet: &Packet, bits: Option<u64>) -> Region {
+        let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
+        let rows = 0..(y1 - y0) as usize;
+        self.arena.begin_with(
+            [x0, x1],
+            y0,
+            rows.map(|j| match bits {
+                None => [x0, x1],
+                // A convex part: no pixel is missing between others.
+                Some(bits) => {
+                    let row = (bits >> (WIDE * j)) as u32 & ALL;
+                    let first = row.trailing_zeros().min(WIDE as u32) as i32;
+                    [x0 + first, x0 + first + row.count_ones() as i32]
+                }
+            }),
+        )
+    }
+
+    /// Draws the triangles of a cell that a packet, or some pixels of a leaf, may show. Sizes are those of what is behind them.
+    #[inline(never)]
+    fn detail(&mut self, packet: &Packet, bits: Option<u64>, detail: u32) {
+        if self.shot.show != Show::Sizes {
+            let region = self.region(packet, bits);
+            let within = &self.tree.details[detail as usize];
+            let exits = &self.tree.exits[within.exits.clone()];
+            self.canvas.detail(self.arena, &region, within.root, exits);
         }
     }
 
-    #[inline(always)]
-    fn face<W: Wide>(&mut self, packet: &Packet, face: u32) {
-        let face = &self.tree.faces[face as usize];
-        self.counts.whole += packet.pixels();
-        let mut canvas = Canvas { pixels: self.pixels, top: self.top, width: self.shot.width };
-        match self.shot.show {
-            Show::Light => canvas.all::<W>(packet, &face.shading),
-            Show::Surfaces => canvas.all::<W>(packet, &Flat(SOURCE | face.source)),
-            Show::Sizes => canvas.all::<W>(packet, &Flat(edge(packet))),
-        }
-    }
-
-    #[inline(always)]
-    fn sky<W: Wide>(&mut self, packet: &Packet) {
-        self.counts.whole += packet.pixels();
-        let tint = Flat(self.flat(SKY_COLOR, SKY, edge(packet)));
-        let mut canvas = Canvas { pixels: self.pixels, top: self.top, width: self.shot.width };
-        canvas.all::<W>(packet, &tint);
-    }
-
-    #[inline(always)]
-    fn some<W: Wide>(&mut self, packet: &Packet, bits: u64, tint: &impl Tint) {
-        let mut canvas = Canvas { pixels: self.pixels, top: self.top, width: self.shot.width };
-        canvas.some::<W>(packet.from, bits, tint);
+    /// Shows a rough face: its own triangles, and rays where they do not fill it.
+    #[inline(never)]
+    fn rough(&mut self, packet: &Packet, bits: Option<u64>, rough: u32) {
+        let region = self.region(packet, bits);
+        let rough = &self.tree.rough[rough as usize];
+        let seen = Seen::Face { source: rough.source, plane: rough.plane, is_plain: false };
+        self.canvas.paint(self.arena, &region, &seen);
     }
 
     /// Leaves a packet to rays.
-    #[inline(always)]
-    fn doubt<W: Wide>(&mut self, packet: &Packet) {
-        self.counts.rays += packet.pixels();
-        let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
-        self.unsure.extend((y0..y1).map(|row| [row, x0, x1]));
-        if self.shot.show != Show::Light {
-            let tint = Flat(self.flat(0, UNSURE, 0));
-            let mut canvas = Canvas { pixels: self.pixels, top: self.top, width: self.shot.width };
-            canvas.all::<W>(packet, &tint);
-        }
+    #[inline(never)]
+    fn doubt(&mut self, packet: &Packet) {
+        let region = self.region(packet, None);
+        self.canvas.paint(self.arena, &region, &Seen::Unsure);
     }
 
-    /// Leaves pixels of a leaf to rays.
-    #[inline(always)]
-    fn doubt_some<W: Wide>(&mut self, packet: &Packet, bits: u64) {
-        self.counts.rays += u64::from(bits.count_ones());
-        let [x0, y0] = packet.from;
-        for j in 0..LEAF_ROWS as i32 {
-            let mut row = bits >> (WIDE as i32 * j) & 0xffff;
-            while row != 0 {
-                let from = row.trailing_zeros() as i32;
-                let count = (row >> from).trailing_ones() as i32;
-                self.unsure.push([y0 + j, x0 + from, x0 + from + count]);
-                row &= !(((1 << count) - 1) << from);
-            }
-        }
-        if self.shot.show != Show::Light {
-            let tint = Flat(self.flat(0, UNSURE, 0));
-            self.some::<W>(packet, bits, &tint);
-        }
+    /// Leaves some pixels of a leaf to rays.
+    #[inline(never)]
+    fn doubt_some(&mut self, packet: &Packet, bits: u64) {
+        let region = self.region(packet, Some(bits));
+        self.canvas.paint(self.arena, &region, &Seen::Unsure);
     }
-}
-
-/// The longer edge of a packet, pixels.
-fn edge(packet: &Packet) -> u32 {
-    let [columns, rows] = packet.size();
-    columns.max(rows) as u32
 }
 
 /// Which of the pixels of a leaf that starts at `from` are where a line is less than 0. The same bits by every kernel.
@@ -329,73 +329,63 @@ fn below<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3]) -> u64 {
     let first = u * f64::from(from[0]) + v * f64::from(from[1]) + w;
     let along = W::count().mul(W::splat(u as f32));
     let mut bits = 0;
-    for j in 0..LEAF_ROWS {
+    for j in 0..ROWS {
         let value = along.add(W::splat((first + v * j as f64) as f32));
         bits |= u64::from(W::splat(0.0).greater(value)) << (WIDE * j);
     }
     bits
 }
 
-/// The pixels of a band.
-struct Canvas<'a> {
-    pixels: &'a mut [u32],
-    top: i32,
-    width: u32,
-}
-
-impl Canvas<'_> {
-    #[inline(always)]
-    fn at(&self, column: i32, row: i32) -> usize {
-        (row - self.top) as usize * self.width as usize + column as usize
-    }
-
-    /// Fills a packet.
-    #[inline(always)]
-    fn all<W: Wide>(&mut self, packet: &Packet, tint: &impl Tint) {
-        let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
-        let first = W::splat(x0 as f32).add(W::count());
-        let step = W::splat(WIDE as f32);
-        for row in y0..y1 {
-            let (from, to) = (self.at(x0, row), self.at(x1, row));
-            let (whole, rest) = self.pixels[from..to].as_chunks_mut::<WIDE>();
-            let same = tint.row(row as f32);
-            let mut columns = first;
+/// Fills what is free of a packet.
+#[inline(always)]
+fn all<W: Wide>(cover: &mut Cover<'_>, packet: &Packet, tint: &impl Tint) {
+    let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
+    let first = W::splat(x0 as f32).add(W::count());
+    let step = W::splat(WIDE as f32);
+    let blocks = Cover::blocks(cover.width);
+    for row in y0..y1 {
+        let below = (row - cover.top) as usize;
+        let line = &mut cover.pixels[below * cover.width..(below + 1) * cover.width];
+        let same = tint.row(row as f32);
+        let mut columns = first;
+        if !cover.rows[below] && x1 as usize % WIDE == 0 {
+            let (whole, _) = line[x0 as usize..x1 as usize].as_chunks_mut::<WIDE>();
             for block in whole {
                 W::put_all(tint.pixels(same, columns), block);
                 columns = columns.add(step);
             }
-            if !rest.is_empty() {
-                let mut block = [0; WIDE];
-                W::put_all(tint.pixels(same, columns), &mut block);
-                rest.copy_from_slice(&block[..rest.len()]);
+            continue;
+        }
+        for block in x0 as usize / WIDE..(x1 as usize).div_ceil(WIDE) {
+            let free = free::<W>(cover.touched, cover.near, below * blocks + block);
+            if free != 0 {
+                put::<W>(line, block, tint.pixels(same, columns), free);
             }
+            columns = columns.add(step);
         }
     }
+}
 
-    /// Fills some pixels of a leaf that starts at `from`.
-    #[inline(always)]
-    fn some<W: Wide>(&mut self, from: [i32; 2], bits: u64, tint: &impl Tint) {
-        let columns = W::splat(from[0] as f32).add(W::count());
-        for j in 0..LEAF_ROWS {
-            let mask = (bits >> (WIDE * j)) as u32 & 0xffff;
-            if mask == 0 {
-                continue;
-            }
-            let row = from[1] + j as i32;
-            let words = tint.pixels(tint.row(row as f32), columns);
-            let rest = self.at(from[0], row)..;
-            let rest = &mut self.pixels[rest];
-            if let Some(block) = rest.first_chunk_mut::<WIDE>() {
-                W::put_words(words, mask, block);
-            } else {
-                let mut block = [0; WIDE];
-                W::put_all(words, &mut block);
-                for (i, pixel) in rest.iter_mut().enumerate() {
-                    if mask >> i & 1 != 0 {
-                        *pixel = block[i];
-                    }
-                }
-            }
+/// Fills what is free of some pixels of a leaf that starts at `from`.
+#[inline(always)]
+fn some<W: Wide>(cover: &mut Cover<'_>, from: [i32; 2], bits: u64, tint: &impl Tint) {
+    let columns = W::splat(from[0] as f32).add(W::count());
+    let (blocks, block) = (Cover::blocks(cover.width), from[0] as usize / WIDE);
+    for j in 0..ROWS {
+        let mut mask = (bits >> (WIDE * j)) as u32 & ALL;
+        if mask == 0 {
+            continue;
         }
+        let row = from[1] + j as i32;
+        let below = (row - cover.top) as usize;
+        mask &= free::<W>(cover.touched, cover.near, below * blocks + block);
+        let line = &mut cover.pixels[below * cover.width..(below + 1) * cover.width];
+        put::<W>(line, block, tint.pixels(tint.row(row as f32), columns), mask);
     }
+}
+
+/// Which pixels of a block show no triangle yet.
+#[inline(always)]
+fn free<W: Wide>(touched: &[bool], near: &[[f32; WIDE]], block: usize) -> u32 {
+    if touched[block] { W::load(&near[block]).zero() } else { ALL }
 }

@@ -18,10 +18,13 @@ use tree::Tree;
 
 use crate::beam::check::{UNWRITTEN, compare};
 use crate::beam::detail::Detail;
+use crate::beam::kernels::{Cover, Kernels};
 use crate::beam::parting::Partings;
 use crate::beam::rays::Rays;
+use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
-use crate::beam::shade::{Looks, square};
+use crate::beam::shade::{self, Canvas, Looks, square};
+use crate::beam::wide::WIDE;
 use crate::beam::{Differences, SKY_COLOR, cell_of_eye, holds_all, simd};
 use crate::render::Camera;
 use crate::scene::Scene;
@@ -38,10 +41,12 @@ pub struct PacketCounts {
     pub leaves: u64,
     /// Cells, each as often as a packet or a part of one came through.
     pub cells: u64,
-    /// Pixels told by a packet as a whole.
+    /// Pixels told by a packet as a whole, but for the triangles before it.
     pub whole: u64,
-    /// Pixels told one by one in leaves.
+    /// Pixels told one by one in leaves, but for the triangles before them.
     pub apart: u64,
+    /// Triangles drawn, each as often as a packet may show it.
+    pub triangles: u64,
     /// Pixels left to rays.
     pub rays: u64,
 }
@@ -49,7 +54,7 @@ pub struct PacketCounts {
 /// Makes pictures of one scene, with what it needs kept from one to the next.
 pub struct Packets<'a> {
     scene: &'a Scene,
-    kernel: Kernel,
+    kernels: Kernels,
     partings: Partings,
     looks: Looks,
     /// Not in use.
@@ -66,6 +71,10 @@ struct Work {
     /// Which picture the tree is of, and where rays start in it.
     shot: u64,
     root: u32,
+    arena: Arena,
+    near: Vec<[f32; WIDE]>,
+    touched: Vec<bool>,
+    rows: Vec<bool>,
     stack: Vec<Packet>,
     unsure: Vec<[i32; 3]>,
     counts: PacketCounts,
@@ -76,7 +85,7 @@ impl<'a> Packets<'a> {
     pub fn new(scene: &'a Scene) -> Packets<'a> {
         Packets {
             scene,
-            kernel: Kernel::avx512().unwrap_or(Kernel::best()),
+            kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
             partings: Partings::new(scene.tables.cells.len()),
             looks: Looks::new(&scene.tables),
             works: Mutex::new(Vec::new()),
@@ -87,7 +96,7 @@ impl<'a> Packets<'a> {
 
     /// The same by this kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Packets<'a> {
-        Packets { kernel, ..self }
+        Packets { kernels: Kernels(kernel), ..self }
     }
 
     /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: as
@@ -103,8 +112,8 @@ impl<'a> Packets<'a> {
         self.show(camera, width, pixels, Show::Surfaces)
     }
 
-    /// Writes over `pixels`, of which there are `width` by some height, the longer edge of the packet that told what each shows, pixels: 1 where it was told
-    /// apart from others, 0 where it is left to a ray.
+    /// Writes over `pixels`, of which there are `width` by some height, the longer edge of the packet that told which face each shows, behind triangles
+    /// in cells if there are any, pixels: 1 where it was told apart from others.
     pub fn sizes(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> PacketCounts {
         self.show(camera, width, pixels, Show::Sizes)
     }
@@ -125,7 +134,7 @@ impl<'a> Packets<'a> {
         let tables = &self.scene.tables;
         let prisms = Prisms::new(tables);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms);
-        let cell = cell_of_eye(self.scene, camera);
+        let start = cell_of_eye(self.scene, camera);
         let shot = Shot {
             number: self.shots,
             tables,
@@ -133,12 +142,13 @@ impl<'a> Packets<'a> {
             internal: screen.internal(&prisms),
             square: square(&screen),
             screen,
+            kernels: self.kernels,
             partings: &self.partings,
             looks: &self.looks,
             width,
             show,
-            start: cell.filter(|&cell| cell != 0),
-            around: if self.is_whole { NONE } else { tables.cells[0].root },
+            start,
+            around: if self.is_whole && start != Some(0) { NONE } else { tables.cells[0].root },
         };
         self.bands(&shot, pixels);
         let (mut counts, mut unsure) = (PacketCounts::default(), Vec::new());
@@ -146,8 +156,9 @@ impl<'a> Packets<'a> {
             counts.add(&std::mem::take(&mut work.counts));
             unsure.append(&mut work.unsure);
         }
+        counts.rays = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         if show == Show::Light {
-            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start: cell };
+            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start };
             rays.shade(&unsure, pixels, SKY_COLOR);
         }
         counts
@@ -169,32 +180,65 @@ impl<'a> Packets<'a> {
         let works = || self.works.lock().unwrap_or_else(PoisonError::into_inner);
         let work = works().pop();
         let mut work = work.unwrap_or_else(|| Work::new(self.scene.tables.cells.len()));
-        if work.shot != shot.number {
-            work.shot = shot.number;
-            work.root = work.tree.begin(shot);
-        }
-        let mut band = Band {
-            shot,
-            tree: &mut work.tree,
-            detail: Detail::new(shot.tables, shot.internal),
-            pixels,
-            top: index as i32 * LARGEST,
-            root: work.root,
-            stack: &mut work.stack,
-            unsure: &mut work.unsure,
-            counts: PacketCounts::default(),
-        };
-        simd::packets(self.kernel, &mut band);
-        let counts = band.counts;
-        work.counts.add(&counts);
+        work.band(shot, index as i32 * LARGEST, pixels);
         works().push(work);
     }
 }
 
 impl Work {
     fn new(cells: usize) -> Work {
-        let (stack, unsure, counts) = Default::default();
-        Work { tree: Tree::new(cells), shot: 0, root: 0, stack, unsure, counts }
+        let (near, touched, rows, stack, unsure, counts) = Default::default();
+        let (tree, arena) = (Tree::new(cells), Arena::new());
+        Work { tree, shot: 0, root: 0, arena, near, touched, rows, stack, unsure, counts }
+    }
+
+    /// Makes a band of rows from the `first` on.
+    fn band(&mut self, shot: &Shot<'_>, first: i32, pixels: &mut [u32]) {
+        if self.shot != shot.number {
+            self.shot = shot.number;
+            self.root = self.tree.begin(shot);
+        }
+        let width = shot.width as usize;
+        let rows = pixels.len() / width;
+        // What is near holds only where it is touched.
+        self.near.resize(rows * Cover::blocks(width), [0.0; WIDE]);
+        self.touched.clear();
+        self.touched.resize(rows * Cover::blocks(width), false);
+        self.rows.clear();
+        self.rows.resize(rows, false);
+        let cover = Cover {
+            width,
+            top: first,
+            pixels,
+            near: &mut self.near,
+            touched: &mut self.touched,
+            rows: &mut self.rows,
+        };
+        let canvas = Canvas {
+            tables: shot.tables,
+            kernels: shot.kernels,
+            show: if shot.show == Show::Light { shade::Show::Light } else { shade::Show::Surfaces },
+            cover,
+            looks: shot.looks,
+            square: shot.square,
+            sky: SKY_COLOR,
+            unsure: &mut self.unsure,
+            detail: &mut Detail::new(shot.tables, shot.internal),
+            triangles: 0,
+            spans: 0,
+        };
+        let mut band = Band {
+            shot,
+            tree: &mut self.tree,
+            canvas,
+            arena: &mut self.arena,
+            root: self.root,
+            stack: &mut self.stack,
+            counts: PacketCounts::default(),
+        };
+        simd::packets(shot.kernels, &mut band);
+        let counts = PacketCounts { triangles: band.canvas.triangles, ..band.counts };
+        self.counts.add(&counts);
     }
 }
 
@@ -206,6 +250,7 @@ impl PacketCounts {
         self.cells += other.cells;
         self.whole += other.whole;
         self.apart += other.apart;
+        self.triangles += other.triangles;
         self.rays += other.rays;
     }
 }

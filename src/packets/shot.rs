@@ -1,5 +1,6 @@
 //! A picture under way: what is the same for all its packets.
 
+use crate::beam::kernels::Kernels;
 use crate::beam::parting::Partings;
 use crate::beam::screen::{Plane, Screen};
 use crate::beam::shade::{Looks, Shading};
@@ -26,13 +27,14 @@ pub(super) struct Shot<'s> {
     pub(super) screen: Screen,
     /// Along the internal frame's axes.
     pub(super) internal: Screen,
+    pub(super) kernels: Kernels,
     /// The square of the size of a ray, as [`Shading::square`].
     pub(super) square: [f32; 5],
     pub(super) partings: &'s Partings,
     pub(super) looks: &'s Looks,
     pub(super) width: u32,
     pub(super) show: Show,
-    /// The cell of the eye; none in a solid, and around the prisms.
+    /// The cell of the eye; none in a solid.
     pub(super) start: Option<u32>,
     /// The root of what lies around the prisms; or none.
     pub(super) around: u32,

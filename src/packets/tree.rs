@@ -20,24 +20,39 @@ pub(super) enum Node {
     Line { line: [f64; 3], sides: [u32; 2] },
     /// Into a cell.
     Cell { next: u32 },
-    /// Past triangles; where to go on if none is met.
-    Detail { root: u32, next: u32 },
+    /// Past these of the triangles in cells; where those go on that meet none.
+    Detail { detail: u32, next: u32 },
     /// Into this cell, where nobody came yet.
     Unknown(u32),
     /// To a part of the floor (`end` is 0) or the ceiling (1) of a cell, by the place in its own tree; nobody came there yet.
     Part { cell: u32, end: u32, at: u32 },
     /// This one of the faces.
     Face(u32),
+    /// This one of the rough faces.
+    Rough(u32),
     /// Nothing.
     Sky,
     /// What cells do not tell.
     Unsure,
 }
 
-/// A face that is one colour of one plane.
+/// A face that is of one colour, in one plane.
 pub(super) struct Face {
     pub(super) source: u32,
     pub(super) shading: Shading,
+}
+
+/// A face that has to be asked for its triangles.
+pub(super) struct Rough {
+    pub(super) source: u32,
+    pub(super) plane: Plane,
+}
+
+/// Triangles in a cell.
+pub(super) struct Within {
+    pub(super) root: u32,
+    /// Which of the exits are the planes of the cell.
+    pub(super) exits: std::ops::Range<usize>,
 }
 
 /// The place of what cells do not tell.
@@ -49,6 +64,9 @@ const AROUND: u32 = 1;
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) faces: Vec<Face>,
+    pub(super) rough: Vec<Rough>,
+    pub(super) details: Vec<Within>,
+    pub(super) exits: Vec<Plane>,
     /// The first place in each cell, or [`NONE`] where nobody came.
     firsts: Vec<u32>,
     /// The cells that have one.
@@ -70,8 +88,9 @@ struct Inside<'a> {
 impl Tree {
     /// For a scene of so many cells.
     pub(super) fn new(cells: usize) -> Tree {
-        let (nodes, faces, known, planes, columns) = Default::default();
-        Tree { nodes, faces, firsts: vec![NONE; cells], known, planes, columns }
+        let (nodes, faces, rough, details, exits) = Default::default();
+        let (known, planes, columns) = Default::default();
+        Tree { nodes, faces, rough, details, exits, firsts: vec![NONE; cells], known, planes, columns }
     }
 
     /// Begins anew, and says where rays start.
@@ -79,14 +98,19 @@ impl Tree {
         for cell in self.known.drain(..) {
             self.firsts[cell as usize] = NONE;
         }
-        self.faces.clear();
         self.nodes.clear();
+        self.faces.clear();
+        self.rough.clear();
+        self.details.clear();
+        self.exits.clear();
         self.nodes.extend([Node::Unsure, Node::Sky]);
         if shot.around != NONE {
-            self.nodes[AROUND as usize] = Node::Detail { root: shot.around, next: 2 };
+            self.details.push(Within { root: shot.around, exits: 0..0 });
+            self.nodes[AROUND as usize] = Node::Detail { detail: 0, next: 2 };
             self.nodes.push(Node::Sky);
         }
         match shot.start {
+            Some(cell) if shot.prisms.cells[cell as usize].kind == CellRecord::AROUND => AROUND,
             Some(cell) => self.push(Node::Unknown(cell)),
             None => UNSURE,
         }
@@ -145,11 +169,17 @@ impl Tree {
         } else {
             self.ahead(shot, &inside, &planes)
         };
-        self.planes = planes;
-        match cell.root {
+        let next = match cell.root {
             NONE => next,
-            root => self.push(Node::Detail { root, next }),
-        }
+            root => {
+                let first = self.exits.len();
+                self.exits.extend(planes.iter().chain(&ends));
+                self.details.push(Within { root, exits: first..self.exits.len() });
+                self.push(Node::Detail { detail: self.details.len() as u32 - 1, next })
+            }
+        };
+        self.planes = planes;
+        next
     }
 
     /// The eye is over the footprint, below or in it: a line past the first corner halves what can be seen, and on each half the sides follow
@@ -262,7 +292,8 @@ impl Tree {
         match beyond.kind {
             CellRecord::SOLID if to.source != NONE && beyond.flags & CellRecord::HIDDEN == 0 => {
                 if !to.is_plain {
-                    return UNSURE;
+                    self.rough.push(Rough { source: to.source, plane: *plane });
+                    return self.push(Node::Rough(self.rough.len() as u32 - 1));
                 }
                 self.faces.push(Face { source: to.source, shading: shot.shading(to.source, plane) });
                 self.push(Node::Face(self.faces.len() as u32 - 1))
