@@ -6,6 +6,7 @@
 use super::PacketCounts;
 use super::shot::{Shot, Show};
 use super::tree::{Node, Tree};
+use super::waiting::Waiting;
 use crate::beam::SKY_COLOR;
 use crate::beam::kernels::{Cover, Flat, Tint, put};
 use crate::beam::rows::{Arena, Region};
@@ -14,7 +15,7 @@ use crate::beam::walk::{Paint, Seen};
 use crate::beam::wide::{ALL, WIDE, Wide};
 
 /// The edge of the packets that a picture is cut into at first, pixels.
-pub(super) const LARGEST: i32 = 64;
+pub(super) const LARGEST: i32 = 128;
 
 /// Rows of a packet that is not split any more; it has no more than [`WIDE`] columns.
 const ROWS: usize = 4;
@@ -77,6 +78,7 @@ pub(crate) struct Band<'a, 's, 'd> {
     pub(super) tree: &'a mut Tree,
     pub(super) canvas: Canvas<'a, 'd>,
     pub(super) arena: &'a mut Arena,
+    pub(super) waiting: &'a mut Waiting,
     /// Where rays start in the tree.
     pub(super) root: u32,
     pub(super) stack: &'a mut Vec<Packet>,
@@ -98,6 +100,7 @@ impl Band<'_, '_, '_> {
                 }
             }
         }
+        self.draw();
     }
 
     /// Follows a packet as far as it stays whole.
@@ -272,29 +275,36 @@ impl Band<'_, '_, '_> {
     fn region(&mut self, packet: &Packet, bits: Option<u64>) -> Region {
         let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
         let rows = 0..(y1 - y0) as usize;
-        self.arena.begin_with(
-            [x0, x1],
-            y0,
-            rows.map(|j| match bits {
-                None => [x0, x1],
-                // A convex part: no pixel is missing between others.
-                Some(bits) => {
-                    let row = (bits >> (WIDE * j)) as u32 & ALL;
-                    let first = row.trailing_zeros().min(WIDE as u32) as i32;
-                    [x0 + first, x0 + first + row.count_ones() as i32]
-                }
-            }),
-        )
+        self.arena.begin_with([x0, x1], y0, rows.map(|j| part(packet, bits, j)))
     }
 
-    /// Draws the triangles of a cell that a packet, or some pixels of a leaf, may show. Sizes are those of what is behind them.
+    /// Notes that a packet, or some pixels of a leaf, may show triangles of a cell. Sizes are those of what is behind them.
     #[inline(never)]
     fn detail(&mut self, packet: &Packet, bits: Option<u64>, detail: u32) {
-        if self.shot.show != Show::Sizes {
-            let region = self.region(packet, bits);
-            let within = &self.tree.details[detail as usize];
-            let exits = &self.tree.exits[within.exits.clone()];
-            self.canvas.detail(self.arena, &region, within.root, exits);
+        if self.shot.show == Show::Sizes {
+            return;
+        }
+        let first = (packet.from[1] - self.canvas.cover.top) as usize;
+        let area = self.waiting.area(detail);
+        for j in 0..(packet.to[1] - packet.from[1]) as usize {
+            area.add(first + j, part(packet, bits, j));
+        }
+    }
+
+    /// Draws the triangles of all cells that packets came to.
+    #[inline(never)]
+    fn draw(&mut self) {
+        let Band { tree, canvas, arena, waiting, .. } = self;
+        let top = canvas.cover.top;
+        for area in waiting.all() {
+            let within = &tree.details[area.detail as usize];
+            area.draw(|first, parts| {
+                let there = || parts.iter().filter(|part| part[0] < part[1]);
+                let lo = there().map(|part| part[0]).min().unwrap_or(0);
+                let hi = there().map(|part| part[1]).max().unwrap_or(0);
+                let region = arena.begin_with([lo, hi], top + first as i32, parts.iter().copied());
+                canvas.detail(arena, &region, within.root, &tree.exits[within.exits.clone()]);
+            });
         }
     }
 
@@ -319,6 +329,21 @@ impl Band<'_, '_, '_> {
     fn doubt_some(&mut self, packet: &Packet, bits: u64) {
         let region = self.region(packet, Some(bits));
         self.canvas.paint(self.arena, &region, &Seen::Unsure);
+    }
+}
+
+/// From which column up to which a row of a packet, or of some pixels of a leaf, is.
+#[inline(always)]
+fn part(packet: &Packet, bits: Option<u64>, row: usize) -> [i32; 2] {
+    let first = packet.from[0];
+    match bits {
+        None => [first, packet.to[0]],
+        // A convex part: no pixel is missing between others.
+        Some(bits) => {
+            let bits = (bits >> (WIDE * row)) as u32 & ALL;
+            let from = first + bits.trailing_zeros().min(WIDE as u32) as i32;
+            [from, from + bits.count_ones() as i32]
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod shot;
 #[cfg(all(test, feature = "compile"))]
 mod tests;
 mod tree;
+mod waiting;
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,6 +16,7 @@ pub(crate) use band::Band;
 use band::{LARGEST, Packet};
 use shot::{Shot, Show};
 use tree::Tree;
+use waiting::Waiting;
 
 use crate::beam::check::{UNWRITTEN, compare};
 use crate::beam::detail::Detail;
@@ -72,6 +74,7 @@ struct Work {
     shot: u64,
     root: u32,
     arena: Arena,
+    waiting: Waiting,
     near: Vec<[f32; WIDE]>,
     touched: Vec<bool>,
     rows: Vec<bool>,
@@ -188,8 +191,8 @@ impl<'a> Packets<'a> {
 impl Work {
     fn new(cells: usize) -> Work {
         let (near, touched, rows, stack, unsure, counts) = Default::default();
-        let (tree, arena) = (Tree::new(cells), Arena::new());
-        Work { tree, shot: 0, root: 0, arena, near, touched, rows, stack, unsure, counts }
+        let (tree, arena, waiting) = (Tree::new(cells), Arena::new(), Waiting::new());
+        Work { tree, shot: 0, root: 0, arena, waiting, near, touched, rows, stack, unsure, counts }
     }
 
     /// Makes a band of rows from the `first` on.
@@ -206,6 +209,7 @@ impl Work {
         self.touched.resize(rows * Cover::blocks(width), false);
         self.rows.clear();
         self.rows.resize(rows, false);
+        self.waiting.begin(rows);
         let cover = Cover {
             width,
             top: first,
@@ -232,6 +236,7 @@ impl Work {
             tree: &mut self.tree,
             canvas,
             arena: &mut self.arena,
+            waiting: &mut self.waiting,
             root: self.root,
             stack: &mut self.stack,
             counts: PacketCounts::default(),
