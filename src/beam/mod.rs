@@ -17,7 +17,7 @@ pub(crate) mod screen;
 pub(crate) mod shade;
 pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
-mod tests;
+pub(crate) mod tests;
 pub(crate) mod walk;
 pub(crate) mod wide;
 

@@ -13,6 +13,7 @@ use crate::beam::rows::{Arena, Region};
 use crate::beam::shade::{Canvas, SKY, SOURCE};
 use crate::beam::walk::{Paint, Seen};
 use crate::beam::wide::{ALL, WIDE, Wide};
+use crate::trace::NONE;
 
 /// The edge of the packets that a picture is cut into at first, pixels.
 pub(super) const LARGEST: i32 = 128;
@@ -30,17 +31,34 @@ pub(super) struct Packet {
     from: [i32; 2],
     /// The column and the row after the last.
     to: [i32; 2],
+    way: Way,
+}
+
+/// A place of the tree, and how rays came there.
+#[derive(Clone, Copy, Debug)]
+struct Way {
     node: u32,
+    /// The cell before this one; or none.
+    before: u32,
     /// How many cells they came through.
     cells: u32,
+}
+
+impl Way {
+    /// Goes from a cell into another; whether that leads on. Into the cell that they came from it does not, nor without end.
+    #[inline(always)]
+    fn enter(&mut self, from: u32, to: u32, next: u32) -> bool {
+        let leads_on = to != self.before && self.cells < MOST_CELLS;
+        *self = Way { node: next, before: from, cells: self.cells + 1 };
+        leads_on
+    }
 }
 
 /// Some pixels of a packet that is split no more, pixel i of row j as bit `16 j + i`, that have come to one place of the tree.
 #[derive(Clone, Copy)]
 struct Lot {
     bits: u64,
-    node: u32,
-    cells: u32,
+    way: Way,
 }
 
 impl Packet {
@@ -90,11 +108,12 @@ impl Band<'_, '_, '_> {
     #[inline(always)]
     pub(crate) fn run<W: Wide>(&mut self) {
         let (width, top) = (self.canvas.cover.width as i32, self.canvas.cover.top);
+        let way = Way { node: self.root, before: NONE, cells: 0 };
         let end = top + self.canvas.cover.rows.len() as i32;
         for y in (top..end).step_by(LARGEST as usize) {
             for x in (0..width).step_by(LARGEST as usize) {
                 let to = [(x + LARGEST).min(width), (y + LARGEST).min(end)];
-                self.stack.push(Packet { from: [x, y], to, node: self.root, cells: 0 });
+                self.stack.push(Packet { from: [x, y], to, way });
                 while let Some(packet) = self.stack.pop() {
                     self.follow::<W>(packet);
                 }
@@ -111,33 +130,31 @@ impl Band<'_, '_, '_> {
         let half = |axis: usize| f64::from(packet.to[axis] - 1 - packet.from[axis]) * 0.5;
         let ([x, y], [half_x, half_y]) = ([middle(0), middle(1)], [half(0), half(1)]);
         loop {
-            match self.tree.nodes[packet.node as usize] {
+            match self.tree.nodes[packet.way.node as usize] {
                 Node::Line { line: [u, v, w], sides } => {
                     let value = u * x + v * y + w;
                     let reach = [u.abs() * half_x, v.abs() * half_y];
                     if value >= reach[0] + reach[1] {
-                        packet.node = sides[0];
+                        packet.way.node = sides[0];
                     } else if value < -reach[0] - reach[1] {
-                        packet.node = sides[1];
+                        packet.way.node = sides[1];
                     } else if packet.is_leaf() {
                         return self.leaf::<W>(&packet);
                     } else {
                         return self.split(&packet, reach);
                     }
                 }
-                Node::Cell { next } => {
-                    packet.node = next;
-                    packet.cells += 1;
+                Node::Cell { from, to, next } => {
                     self.counts.cells += 1;
-                    if packet.cells > MOST_CELLS {
+                    if !packet.way.enter(from, to, next) {
                         return self.doubt(&packet);
                     }
                 }
                 Node::Detail { detail, next } => {
                     self.detail(&packet, None, detail);
-                    packet.node = next;
+                    packet.way.node = next;
                 }
-                Node::Unknown(_) | Node::Part { .. } => self.tree.grow(self.shot, packet.node),
+                Node::Unknown { .. } | Node::Part { .. } => self.tree.grow(self.shot, packet.way.node),
                 Node::Face(face) => {
                     let face = &self.tree.faces[face as usize];
                     self.counts.whole += packet.pixels();
@@ -195,44 +212,42 @@ impl Band<'_, '_, '_> {
     fn leaf<W: Wide>(&mut self, packet: &Packet) {
         self.counts.leaves += 1;
         // Each has a pixel that no other has.
-        let mut stack = [Lot { bits: 0, node: 0, cells: 0 }; WIDE * ROWS];
-        stack[0] = Lot { bits: packet.bits(), node: packet.node, cells: packet.cells };
+        let mut stack = [Lot { bits: 0, way: packet.way }; WIDE * ROWS];
+        stack[0] = Lot { bits: packet.bits(), way: packet.way };
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let mut lot = stack[count];
             loop {
-                match self.tree.nodes[lot.node as usize] {
+                match self.tree.nodes[lot.way.node as usize] {
                     Node::Line { line, sides } => {
                         let below = below::<W>(packet.from, line);
                         let parts = [lot.bits & !below, lot.bits & below];
                         if parts[1] == 0 {
-                            lot.node = sides[0];
+                            lot.way.node = sides[0];
                         } else if parts[0] == 0 {
-                            lot.node = sides[1];
+                            lot.way.node = sides[1];
                         } else {
-                            stack[count] = Lot { bits: parts[1], node: sides[1], ..lot };
+                            stack[count] = Lot { bits: parts[1], way: Way { node: sides[1], ..lot.way } };
                             count += 1;
-                            lot = Lot { bits: parts[0], node: sides[0], ..lot };
+                            lot = Lot { bits: parts[0], way: Way { node: sides[0], ..lot.way } };
                         }
                         continue;
                     }
-                    Node::Cell { next } => {
-                        lot.node = next;
-                        lot.cells += 1;
+                    Node::Cell { from, to, next } => {
                         self.counts.cells += 1;
-                        if lot.cells <= MOST_CELLS {
+                        if lot.way.enter(from, to, next) {
                             continue;
                         }
                         self.doubt_some(packet, lot.bits);
                     }
                     Node::Detail { detail, next } => {
                         self.detail(packet, Some(lot.bits), detail);
-                        lot.node = next;
+                        lot.way.node = next;
                         continue;
                     }
-                    Node::Unknown(_) | Node::Part { .. } => {
-                        self.tree.grow(self.shot, lot.node);
+                    Node::Unknown { .. } | Node::Part { .. } => {
+                        self.tree.grow(self.shot, lot.way.node);
                         continue;
                     }
                     Node::Face(face) => {

@@ -18,12 +18,12 @@ pub(super) enum Node {
     /// On which side of the line `u x + v y + w = 0`, in columns and rows, a pixel is: where to go on where that is no less than 0, and
     /// where it is less.
     Line { line: [f64; 3], sides: [u32; 2] },
-    /// Into a cell.
-    Cell { next: u32 },
+    /// From a cell, or [`NONE`], into another.
+    Cell { from: u32, to: u32, next: u32 },
     /// Past these of the triangles in cells; where those go on that meet none.
     Detail { detail: u32, next: u32 },
-    /// Into this cell, where nobody came yet.
-    Unknown(u32),
+    /// The same, where nobody came yet.
+    Unknown { from: u32, to: u32 },
     /// To a part of the floor (`end` is 0) or the ceiling (1) of a cell, by the place in its own tree; nobody came there yet.
     Part { cell: u32, end: u32, at: u32 },
     /// This one of the faces.
@@ -111,7 +111,7 @@ impl Tree {
         }
         match shot.start {
             Some(cell) if shot.prisms.cells[cell as usize].kind == CellRecord::AROUND => AROUND,
-            Some(cell) => self.push(Node::Unknown(cell)),
+            Some(cell) => self.push(Node::Unknown { from: NONE, to: cell }),
             None => UNSURE,
         }
     }
@@ -126,7 +126,7 @@ impl Tree {
     #[inline(never)]
     pub(super) fn grow(&mut self, shot: &Shot<'_>, at: u32) {
         self.nodes[at as usize] = match self.nodes[at as usize] {
-            Node::Unknown(cell) => Node::Cell { next: self.first(shot, cell) },
+            Node::Unknown { from, to } => Node::Cell { from, to, next: self.first(shot, to) },
             Node::Part { cell, end, at } => self.part(shot, cell, end, at),
             known => known,
         };
@@ -299,8 +299,8 @@ impl Tree {
                 self.push(Node::Face(self.faces.len() as u32 - 1))
             }
             CellRecord::AIR if to.source == NONE && to.cell != cell => match self.firsts[to.cell as usize] {
-                NONE => self.push(Node::Unknown(to.cell)),
-                next => self.push(Node::Cell { next }),
+                NONE => self.push(Node::Unknown { from: cell, to: to.cell }),
+                next => self.push(Node::Cell { from: cell, to: to.cell, next }),
             },
             CellRecord::AROUND if to.source == NONE => AROUND,
             _ => UNSURE,
