@@ -30,17 +30,16 @@ impl Avx2 {
     fn lanes(mask: u32) -> [__m256; 2] {
         // SAFETY: see `Avx2`.
         unsafe {
-            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            [mask, mask >> 8].map(|mask| {
-                let set = _mm256_and_si256(_mm256_set1_epi32(mask as i32), bits);
-                _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bits))
-            })
+            let (low, high) = (
+                _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128),
+                _mm256_setr_epi32(256, 512, 1024, 2048, 4096, 8192, 16384, 32768),
+            );
+            let mask = _mm256_set1_epi32(mask as i32);
+            [
+                _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(mask, low), low)),
+                _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(mask, high), high)),
+            ]
         }
-    }
-
-    #[inline(always)]
-    fn both(self, other: Self, f: impl Fn(__m256, __m256) -> __m256) -> Self {
-        Avx2([f(self.0[0], other.0[0]), f(self.0[1], other.0[1])])
     }
 
     #[inline(always)]
@@ -76,18 +75,21 @@ impl Wide for Avx2 {
     }
     #[inline(always)]
     fn load(from: &[f32; WIDE]) -> Self {
+        let [low, high] = Avx2::halves(from);
         // SAFETY: see `Avx2`; each half of the array holds the eight that are read, and no alignment is needed.
-        Avx2(Avx2::halves(from).map(|half| unsafe { _mm256_loadu_ps(half) }))
+        Avx2(unsafe { [_mm256_loadu_ps(low), _mm256_loadu_ps(high)] })
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
         // SAFETY: see `Avx2`.
-        self.both(other, |a, b| unsafe { _mm256_add_ps(a, b) })
+        Avx2(unsafe { [_mm256_add_ps(a, c), _mm256_add_ps(b, d)] })
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
         // SAFETY: see `Avx2`.
-        self.both(other, |a, b| unsafe { _mm256_mul_ps(a, b) })
+        Avx2(unsafe { [_mm256_mul_ps(a, c), _mm256_mul_ps(b, d)] })
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, more: Self) -> Self {
@@ -97,44 +99,57 @@ impl Wide for Avx2 {
     }
     #[inline(always)]
     fn abs(self) -> Self {
+        let [low, high] = self.0;
         // SAFETY: see `Avx2`.
-        Avx2(self.0.map(|a| unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }))
+        unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            Avx2([_mm256_andnot_ps(sign, low), _mm256_andnot_ps(sign, high)])
+        }
     }
     #[inline(always)]
     fn inverse_root(self) -> Self {
+        let [low, high] = self.0;
         // SAFETY: see `Avx2`.
-        Avx2(self.0.map(|a| unsafe { _mm256_rsqrt_ps(a) }))
+        Avx2(unsafe { [_mm256_rsqrt_ps(low), _mm256_rsqrt_ps(high)] })
     }
     #[inline(always)]
     fn greater(self, other: Self) -> u32 {
+        let ([a, b], [c, d]) = (self.0, other.0);
         // SAFETY: see `Avx2`.
-        let bits = |i: usize| unsafe {
-            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0[i], other.0[i])) as u32
-        };
-        bits(0) | bits(1) << 8
+        unsafe {
+            let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a, c)) as u32;
+            let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(b, d)) as u32;
+            low | high << 8
+        }
     }
     #[inline(always)]
     fn zero(self) -> u32 {
+        let [a, b] = self.0;
         // SAFETY: see `Avx2`.
-        let bits = |i: usize| unsafe {
-            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(self.0[i], _mm256_setzero_ps())) as u32
-        };
-        bits(0) | bits(1) << 8
+        unsafe {
+            let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(a, _mm256_setzero_ps())) as u32;
+            let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(b, _mm256_setzero_ps())) as u32;
+            low | high << 8
+        }
     }
     #[inline(always)]
     fn put(self, mask: u32, to: &mut [f32; WIDE]) {
-        let lanes = Avx2::lanes(mask);
-        for (i, half) in Avx2::halves_mut(to).into_iter().enumerate() {
-            // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
-            unsafe { _mm256_storeu_ps(half, _mm256_blendv_ps(_mm256_loadu_ps(half), self.0[i], lanes[i])) };
+        let ([a, b], [low, high]) = (self.0, Avx2::lanes(mask));
+        let [to_low, to_high] = Avx2::halves_mut(to);
+        // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
+        unsafe {
+            _mm256_storeu_ps(to_low, _mm256_blendv_ps(_mm256_loadu_ps(to_low), a, low));
+            _mm256_storeu_ps(to_high, _mm256_blendv_ps(_mm256_loadu_ps(to_high), b, high));
         }
     }
     #[inline(always)]
     fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
-        let lanes = Avx2::lanes(mask);
-        for (i, half) in Avx2::halves_mut(to).into_iter().enumerate() {
-            // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
-            unsafe { _mm256_storeu_ps(half, _mm256_and_ps(self.0[i], lanes[i])) };
+        let ([a, b], [low, high]) = (self.0, Avx2::lanes(mask));
+        let [to_low, to_high] = Avx2::halves_mut(to);
+        // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
+        unsafe {
+            _mm256_storeu_ps(to_low, _mm256_and_ps(a, low));
+            _mm256_storeu_ps(to_high, _mm256_and_ps(b, high));
         }
     }
     #[inline(always)]
@@ -144,90 +159,105 @@ impl Wide for Avx2 {
     }
     #[inline(always)]
     fn bytes(red: Self, green: Self, blue: Self) -> Self::Words {
-        // SAFETY: see `Avx2`.
-        [0, 1].map(|i| unsafe {
-            let (magic, low) = (_mm256_set1_ps(MAGIC), _mm256_set1_epi32(0xff));
-            let byte = |x: Self| _mm256_and_si256(_mm256_castps_si256(_mm256_add_ps(x.0[i], magic)), low);
-            let green = _mm256_slli_epi32::<8>(byte(green));
-            let blue = _mm256_slli_epi32::<16>(byte(blue));
-            let opaque = _mm256_set1_epi32(OPAQUE as i32);
-            _mm256_or_si256(_mm256_or_si256(byte(red), green), _mm256_or_si256(blue, opaque))
-        })
+        let ([r, s], [g, h], [b, c]) = (red.0, green.0, blue.0);
+        [bytes([r, g, b]), bytes([s, h, c])]
     }
     #[inline(always)]
-    fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
+    fn put_words([a, b]: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
         // SAFETY: see `Avx2`.
-        let words = words.map(|words| unsafe { _mm256_castsi256_ps(words) });
-        Avx2(words).put(mask, bytemuck::cast_mut(to));
+        let numbers = unsafe { [_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)] };
+        Avx2(numbers).put(mask, bytemuck::cast_mut(to));
     }
     #[inline(always)]
-    fn put_all(words: Self::Words, to: &mut [u32; WIDE]) {
+    fn put_all([a, b]: Self::Words, to: &mut [u32; WIDE]) {
         let (low, high) = to.split_at_mut(8);
-        for (half, words) in [low, high].into_iter().zip(words) {
-            // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
-            unsafe { _mm256_storeu_si256(half.as_mut_ptr().cast(), words) };
+        // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
+        unsafe {
+            _mm256_storeu_si256(low.as_mut_ptr().cast(), a);
+            _mm256_storeu_si256(high.as_mut_ptr().cast(), b);
         }
     }
 }
 
-impl Avx2Columns {
-    #[inline(always)]
-    fn both(self, other: Self, f: impl Fn(__m128i, __m128i) -> __m128i) -> Self {
-        Avx2Columns([f(self.0[0], other.0[0]), f(self.0[1], other.0[1])])
+/// As [`Wide::bytes`], of eight.
+#[inline(always)]
+fn bytes([red, green, blue]: [__m256; 3]) -> __m256i {
+    // SAFETY: see `Avx2`.
+    unsafe {
+        let (magic, low) = (_mm256_set1_ps(MAGIC), _mm256_set1_epi32(0xff));
+        let red = _mm256_and_si256(_mm256_castps_si256(_mm256_add_ps(red, magic)), low);
+        let green = _mm256_and_si256(_mm256_castps_si256(_mm256_add_ps(green, magic)), low);
+        let blue = _mm256_and_si256(_mm256_castps_si256(_mm256_add_ps(blue, magic)), low);
+        let (green, blue) = (_mm256_slli_epi32::<8>(green), _mm256_slli_epi32::<16>(blue));
+        let opaque = _mm256_set1_epi32(OPAQUE as i32);
+        _mm256_or_si256(_mm256_or_si256(red, green), _mm256_or_si256(blue, opaque))
+    }
+}
+
+/// As [`Columns::not_left`], of four rows, whose numbers these are.
+#[inline(always)]
+fn not_left(slope: f64, start: f64, rows: __m256d) -> __m128i {
+    // SAFETY: see `Avx2`.
+    unsafe {
+        let column = _mm256_add_pd(_mm256_set1_pd(start), _mm256_mul_pd(_mm256_set1_pd(slope), rows));
+        // Of a NaN and a number the number.
+        let column = _mm256_max_pd(column, _mm256_set1_pd(-FARTHEST));
+        let column = _mm256_min_pd(column, _mm256_set1_pd(FARTHEST));
+        _mm256_cvtpd_epi32(_mm256_ceil_pd(column))
     }
 }
 
 impl Columns for Avx2Columns {
     #[inline(always)]
     fn not_left(slope: f64, start: f64, first: i32) -> Self {
-        let columns = |rows: __m256d| {
-            // SAFETY: see `Avx2`.
-            unsafe {
-                let rows = _mm256_add_pd(_mm256_set1_pd(f64::from(first)), rows);
-                let column = _mm256_add_pd(_mm256_set1_pd(start), _mm256_mul_pd(_mm256_set1_pd(slope), rows));
-                // Of a NaN and a number the number.
-                let column = _mm256_max_pd(column, _mm256_set1_pd(-FARTHEST));
-                let column = _mm256_min_pd(column, _mm256_set1_pd(FARTHEST));
-                _mm256_cvtpd_epi32(_mm256_ceil_pd(column))
-            }
-        };
         // SAFETY: see `Avx2`.
-        let rows = unsafe { [_mm256_setr_pd(0.0, 1.0, 2.0, 3.0), _mm256_setr_pd(4.0, 5.0, 6.0, 7.0)] };
-        Avx2Columns(rows.map(columns))
+        let (low, high) = unsafe {
+            let first = _mm256_set1_pd(f64::from(first));
+            (
+                _mm256_add_pd(first, _mm256_setr_pd(0.0, 1.0, 2.0, 3.0)),
+                _mm256_add_pd(first, _mm256_setr_pd(4.0, 5.0, 6.0, 7.0)),
+            )
+        };
+        Avx2Columns([not_left(slope, start, low), not_left(slope, start, high)])
     }
     #[inline(always)]
     fn load(from: &[i32; ROWS]) -> Self {
-        let halves = [from[..4].as_ptr(), from[4..].as_ptr()];
+        let (low, high) = (from[..4].as_ptr(), from[4..].as_ptr());
         // SAFETY: see `Avx2`; each half of the array holds the four that are read, and no alignment is needed.
-        Avx2Columns(halves.map(|half| unsafe { _mm_loadu_si128(half.cast()) }))
+        Avx2Columns(unsafe { [_mm_loadu_si128(low.cast()), _mm_loadu_si128(high.cast())] })
     }
     #[inline(always)]
     fn store(self) -> [i32; ROWS] {
         let mut out = [0; ROWS];
         let (low, high) = out.split_at_mut(4);
-        for (half, columns) in [low, high].into_iter().zip(self.0) {
-            // SAFETY: see `Avx2`; each half of the array has room for four, and no alignment is needed.
-            unsafe { _mm_storeu_si128(half.as_mut_ptr().cast(), columns) };
+        // SAFETY: see `Avx2`; each half of the array has room for four, and no alignment is needed.
+        unsafe {
+            _mm_storeu_si128(low.as_mut_ptr().cast(), self.0[0]);
+            _mm_storeu_si128(high.as_mut_ptr().cast(), self.0[1]);
         }
         out
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
         // SAFETY: see `Avx2`.
-        self.both(other, |a, b| unsafe { _mm_min_epi32(a, b) })
+        Avx2Columns(unsafe { [_mm_min_epi32(a, c), _mm_min_epi32(b, d)] })
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
         // SAFETY: see `Avx2`.
-        self.both(other, |a, b| unsafe { _mm_max_epi32(a, b) })
+        Avx2Columns(unsafe { [_mm_max_epi32(a, c), _mm_max_epi32(b, d)] })
     }
     #[inline(always)]
     fn less(self, other: Self) -> u32 {
-        let bits = |i: usize| {
-            // SAFETY: see `Avx2`.
-            unsafe { _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(self.0[i], other.0[i]))) as u32 }
-        };
-        bits(0) | bits(1) << 4
+        let ([a, b], [c, d]) = (self.0, other.0);
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let low = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(a, c))) as u32;
+            let high = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(b, d))) as u32;
+            low | high << 4
+        }
     }
 }
 

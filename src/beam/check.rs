@@ -1,5 +1,7 @@
 //! Pictures by beams against pictures by rays.
 
+use std::ops::Deref;
+
 use glam::DVec3;
 
 use super::{Beams, Surface};
@@ -27,18 +29,20 @@ pub struct Differences {
     pub unwritten: u64,
     /// Pixels that show something else than the ray meets, which one within a hundredth of a pixel meets.
     pub ties: u64,
-    /// Pixels that show something else that the eye touches, as it does what the ray meets.
+    /// Pixels that show a surface that is met within the tolerance of what the ray meets.
+    pub flush: u64,
+    /// Pixels that show something else where the ray meets what the eye touches.
     pub touching: u64,
     /// Pixels that show something else, no tie: their columns and rows, what the beam shows, and which triangle the ray meets.
     pub wrong: Vec<([u32; 2], Surface, u32)>,
 }
 
-impl Beams<'_> {
+impl<S: Deref<Target = Scene>> Beams<S> {
     /// Compares the picture that `camera` takes with what the ray of each pixel meets.
     pub fn differences(&mut self, camera: &Camera, width: u32, height: u32) -> Differences {
         let mut pixels = vec![UNWRITTEN; width as usize * height as usize];
         self.surfaces(camera, width, &mut pixels);
-        compare(self.scene, camera, width, &pixels)
+        compare(&self.scene, camera, width, &pixels)
     }
 }
 
@@ -71,9 +75,11 @@ pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
             let aside = Ray::new(ray.origin, (direction + (across * cos + down * sin) * TIE).to_array());
             is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
         });
-        let touches =
-            hit.element != NONE && hit.t <= TOUCH && touches(scene, surface, DVec3::from(ray.origin));
-        if touches {
+        if is_flush(scene, surface, ray, hit) {
+            differences.flush += 1;
+            continue;
+        }
+        if hit.element != NONE && hit.t <= TOUCH {
             differences.touching += 1;
             continue;
         }
@@ -87,18 +93,14 @@ pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
     differences
 }
 
-/// Whether the plane of a surface holds a point.
-fn touches(scene: &Scene, surface: Surface, point: DVec3) -> bool {
-    let holds = |triangle: u32| {
-        let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        normal != DVec3::ZERO && normal.dot(point - a).abs() <= TOUCH
+/// Whether a ray meets a surface's plane within the tolerance of what it meets.
+fn is_flush(scene: &Scene, surface: Surface, ray: &Ray, hit: &Hit) -> bool {
+    let shown = match surface {
+        Surface::Sky | Surface::Unsure => None,
+        Surface::Source(source) => scene.hit_on_source(ray, hit.cell, source, Want::LEAST),
+        Surface::Triangle(triangle) => scene.hit_on_plane(ray, hit.cell, (triangle, NONE), Want::LEAST),
     };
-    match surface {
-        Surface::Sky | Surface::Unsure => false,
-        Surface::Source(source) => Prisms::new(&scene.tables).triangles_of(source).iter().any(|&t| holds(t)),
-        Surface::Triangle(triangle) => holds(triangle),
-    }
+    hit.element != NONE && shown.is_some_and(|shown| (shown.t - hit.t).abs() <= scene.tolerance())
 }
 
 /// Whether what a ray meets is part of a surface.

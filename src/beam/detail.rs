@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::kernels::{Bound, Deep};
+use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
@@ -46,6 +47,14 @@ pub(crate) struct Drawn {
     pub(super) deep: Deep,
 }
 
+impl Drawn {
+    /// Of nothing yet.
+    fn new() -> Drawn {
+        let deep = Deep { bounds: [Bound::NONE; Deep::BOUNDS], count: 0, near: [0.0; 3] };
+        Drawn { triangle: u32::MAX, rows: [0; 2], normal: DVec3::ZERO, deep }
+    }
+}
+
 impl<'a> Detail<'a> {
     pub(crate) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
         let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
@@ -55,20 +64,14 @@ impl<'a> Detail<'a> {
 
     /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
-        let frustum = self.frustum(region);
+        let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.stack.clear();
         self.stack.push(root);
         while let Some(link) = self.stack.pop() {
             if link & Leaf::BIT == 0 {
                 let node = &self.tables.nodes[link as usize];
-                let mut seen = reaches(node, self.eye, &frustum);
-                while seen != 0 {
-                    let lane = seen.trailing_zeros() as usize;
-                    seen &= seen - 1;
-                    if node.child[lane] != u32::MAX {
-                        self.stack.push(node.child[lane]);
-                    }
-                }
+                let seen = reaches(node, self.eye, &frustum);
+                self.push_nearest_last(node, seen);
                 continue;
             }
             let leaf = Leaf::new(link);
@@ -78,7 +81,60 @@ impl<'a> Detail<'a> {
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                if let Some(drawn) = self.triangle(block.triangle[lane], region, exits) {
+                if self.triangle(block.triangle[lane], region, exits, &mut drawn) {
+                    draw(&drawn);
+                }
+            }
+        }
+    }
+
+    /// Puts those children of a node that are seen on the stack, so that the nearest comes first: it hides others.
+    fn push_nearest_last(&mut self, node: &NodeRecord, mut seen: u32) {
+        let mut away = [0.0f32; LANES];
+        for axis in 0..3 {
+            let eye = self.eye[axis];
+            for lane in 0..LANES {
+                let out = (node.lo[axis][lane] - eye).max(eye - node.hi[axis][lane]).max(0.0);
+                away[lane] += out * out;
+            }
+        }
+        let bottom = self.stack.len();
+        let mut order = [0.0f32; LANES];
+        while seen != 0 {
+            let lane = seen.trailing_zeros() as usize;
+            seen &= seen - 1;
+            if node.child[lane] == u32::MAX {
+                continue;
+            }
+            let mut at = self.stack.len() - bottom;
+            self.stack.push(node.child[lane]);
+            while at > 0 && order[at - 1] < away[lane] {
+                order[at] = order[at - 1];
+                self.stack.swap(bottom + at, bottom + at - 1);
+                at -= 1;
+            }
+            order[at] = away[lane];
+        }
+    }
+
+    /// The same of what lies around the prisms.
+    pub(super) fn draw_outer(
+        &self,
+        region: &Region,
+        outer: &Outer,
+        exits: &[Plane],
+        mut draw: impl FnMut(&Drawn),
+    ) {
+        let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        let is_seen = |group: &&Group| {
+            frustum.iter().all(|normal| {
+                let far = Vec3::select(normal.cmpgt(Vec3::ZERO), group.hi, group.lo);
+                normal.dot(far - self.eye) >= -SLACK
+            })
+        };
+        for group in outer.0.iter().filter(is_seen) {
+            for &triangle in &group.triangles {
+                if self.triangle(triangle, region, exits, &mut drawn) {
                     draw(&drawn);
                 }
             }
@@ -87,8 +143,9 @@ impl<'a> Detail<'a> {
 
     /// Gives `draw` those of some triangles that may show in a region.
     pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], mut draw: impl FnMut(&Drawn)) {
+        let mut drawn = Drawn::new();
         for &triangle in triangles {
-            if let Some(drawn) = self.triangle(triangle, region, &[]) {
+            if self.triangle(triangle, region, &[], &mut drawn) {
                 draw(&drawn);
             }
         }
@@ -110,7 +167,8 @@ impl<'a> Detail<'a> {
         ]
     }
 
-    fn triangle(&self, triangle: u32, region: &Region, exits: &[Plane]) -> Option<Drawn> {
+    /// Makes a triangle ready to be drawn, unless nothing of it is seen in the region.
+    fn triangle(&self, triangle: u32, region: &Region, exits: &[Plane], drawn: &mut Drawn) -> bool {
         let corners = self.tables.triangles[triangle as usize];
         let world = corners.map(|v| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye);
         let [a, b, c] = world.map(|v| self.camera * v);
@@ -127,19 +185,19 @@ impl<'a> Detail<'a> {
                 || columns[0] >= region.columns[1]
                 || columns[1] <= region.columns[0]
             {
-                return None;
+                return false;
             }
         } else if a.z <= 0.0 && b.z <= 0.0 && c.z <= 0.0 {
-            return None;
+            return false;
         }
         let sides = [b.cross(c), c.cross(a), a.cross(b)];
         let size = a.dot(sides[0]);
         if size == 0.0 {
-            return None;
+            return false;
         }
         let sign = size.signum();
         let near = (sides[0] + sides[1] + sides[2]) / size;
-        let mut bounds = [Bound::NONE; Deep::BOUNDS];
+        let bounds = &mut drawn.deep.bounds;
         for (bound, side) in bounds.iter_mut().zip(sides) {
             *bound = Bound::new(side * sign, &mut rows);
         }
@@ -156,10 +214,14 @@ impl<'a> Detail<'a> {
             }
         }
         if rows[0] >= rows[1] {
-            return None;
+            return false;
         }
-        let normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
-        Some(Drawn { triangle, rows, normal, deep: Deep { bounds, count, near: near.to_array() } })
+        drawn.triangle = triangle;
+        drawn.rows = rows;
+        drawn.normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
+        drawn.deep.count = count;
+        drawn.deep.near = near.to_array();
+        true
     }
 }
 

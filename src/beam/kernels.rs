@@ -43,6 +43,12 @@ impl Kernels {
     ) {
         simd::draw(self.0, borders, cover, first, deep, tint);
     }
+
+    /// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
+    #[inline]
+    pub(super) fn is_taken(self, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
+        simd::is_taken(self.0, borders, cover, first)
+    }
 }
 
 /// What the pixels of one surface become.
@@ -86,7 +92,7 @@ impl Tint for Shading {
         let size = size.mul_add(columns, W::splat(square));
         let bright = cosine.mul_add(size.inverse_root(), W::splat(DARK));
         let bright = bright.mul(bright.inverse_root());
-        // No closure over the three: compilers do not put instructions of one CPU into that.
+        // No closures where lanes are worked with: they are functions by themselves, compiled for any CPU.
         let [red, green, blue] = self.color;
         W::bytes(bright.mul(W::splat(red)), bright.mul(W::splat(green)), bright.mul(W::splat(blue)))
     }
@@ -264,6 +270,41 @@ pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_
         columns = columns.add(step);
         put::<W>(line, to, tint.pixels(same, columns), between(to, lo, hi));
     }
+}
+
+#[inline(always)]
+pub(super) fn is_taken<W: Wide>([lo, hi]: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
+    // The middle first: most that are not taken are not there.
+    let middle = lo.len() / 2;
+    if !is_row_taken::<W>(cover, first + middle as i32, [lo[middle], hi[middle]]) {
+        return false;
+    }
+    for (row, (&lo, &hi)) in (first..).zip(lo.iter().zip(hi)) {
+        if !is_row_taken::<W>(cover, row, [lo, hi]) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Whether detail is seen in all pixels of a row from one column up to another.
+#[inline(always)]
+fn is_row_taken<W: Wide>(cover: &Cover<'_>, row: i32, [lo, hi]: [i32; 2]) -> bool {
+    let below = (row - cover.top) as usize;
+    if lo >= hi {
+        return true;
+    }
+    if !cover.rows[below] {
+        return false;
+    }
+    let start = below * Cover::blocks(cover.width);
+    for block in lo as usize / WIDE..=(hi as usize - 1) / WIDE {
+        let at = start + block;
+        if !cover.touched[at] || W::load(&cover.near[at]).zero() & between(block, lo, hi) != 0 {
+            return false;
+        }
+    }
+    true
 }
 
 #[inline(always)]

@@ -9,7 +9,9 @@ mod avx2;
 mod avx512;
 pub(crate) mod check;
 pub(crate) mod detail;
+mod hull;
 pub(crate) mod kernels;
+pub(crate) mod outer;
 pub(crate) mod parting;
 pub(crate) mod rays;
 pub(crate) mod rows;
@@ -18,24 +20,32 @@ pub(crate) mod shade;
 pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
 pub(crate) mod tests;
+mod told;
 pub(crate) mod walk;
 pub(crate) mod wide;
 
+use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
 
 pub use check::Differences;
 use detail::Detail;
+use hull::Hull;
 use kernels::{Cover, Kernels};
+use outer::Outer;
 use parting::Partings;
 use rays::Rays;
-use screen::Screen;
+use screen::{ASIDE, Screen};
 use shade::{Canvas, Looks, Show, square};
-use walk::{Space, Walker};
+pub(crate) use told::Told;
+use walk::{AROUND, Around, Space, Walker};
 use wide::WIDE;
 
+use glam::DVec3;
+
+use crate::format::records::CellRecord;
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Kernel, NONE, Place, Prisms};
+use crate::trace::{Hit, Kernel, Place, Prisms, Starts, Want};
 
 /// Rows that are done together, so that what is written stays in a cache, and threads share the work.
 const BAND: usize = 128;
@@ -56,16 +66,21 @@ pub struct BeamCounts {
     pub unsure: u64,
 }
 
-/// Makes pictures of one scene, with what it needs kept from one to the next.
-pub struct Beams<'a> {
-    scene: &'a Scene,
+/// Makes pictures of one scene, of which it has a reference, or an [`Arc`](std::sync::Arc), with what it needs kept from one to the next.
+pub struct Beams<S> {
+    scene: S,
+    kept: Kept,
+}
+
+/// What is kept from picture to picture.
+struct Kept {
     kernels: Kernels,
     partings: Partings,
     looks: Looks,
     /// Not in use.
     works: Mutex<Vec<Work>>,
-    /// Whether there is nothing around the prisms.
-    is_whole: bool,
+    outer: Outer,
+    hull: Hull,
 }
 
 /// What a thread needs for a band.
@@ -87,32 +102,29 @@ struct Shot<'s> {
     show: Show,
     /// The cell of the eye; none in a solid.
     start: Option<u32>,
-    beams: &'s Beams<'s>,
+    scene: &'s Scene,
+    kept: &'s Kept,
 }
 
-/// Whether no triangle reaches out of the prisms' zone.
-pub(crate) fn holds_all(scene: &Scene) -> bool {
-    let prisms = Prisms::new(&scene.tables);
-    scene.tables.vertices.iter().all(|&vertex| prisms.hold(prisms.local(vertex.into())))
-}
-
-impl<'a> Beams<'a> {
+impl<S: Deref<Target = Scene>> Beams<S> {
     /// For pictures of this scene.
-    pub fn new(scene: &'a Scene) -> Beams<'a> {
+    pub fn new(scene: S) -> Beams<S> {
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
-        Beams {
-            scene,
+        let kept = Kept {
             kernels: Kernels(kernel),
             partings: Partings::new(scene.tables.cells.len()),
             looks: Looks::new(&scene.tables),
             works: Mutex::new(Vec::new()),
-            is_whole: scene.tables.cells.len() > 1 && holds_all(scene),
-        }
+            outer: Outer::new(&scene),
+            hull: Hull::new(),
+        };
+        Beams { scene, kept }
     }
 
     /// The same by this kernel.
-    pub fn with_kernel(self, kernel: Kernel) -> Beams<'a> {
-        Beams { kernels: Kernels(kernel), ..self }
+    pub fn with_kernel(mut self, kernel: Kernel) -> Beams<S> {
+        self.kept.kernels = Kernels(kernel);
+        self
     }
 
     /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: eight-bit RGBA, red in the lowest bits, the
@@ -128,19 +140,60 @@ impl<'a> Beams<'a> {
         self.show(camera, width, pixels, Show::Surfaces)
     }
 
+    /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
+    /// [`Scene::trace_many_of`] would; those that beams do not tell are traced. On edges either of two answers may be told, and where triangles lie on
+    /// each other any of them.
+    pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> BeamCounts {
+        let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
+        if height == 0 {
+            return BeamCounts::default();
+        }
+        let (told, counts) = self.tell(camera, width, height);
+        let pinhole = camera.pinhole(width, height);
+        let starts = stand(&self.scene, camera).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
+        let (mut rays, mut missing) = (Vec::new(), Vec::new());
+        for (index, hit) in hits.iter_mut().enumerate() {
+            let ray = pinhole.ray(index as u32 % width, index as u32 / width);
+            match told.hit(&self.scene, index, &ray, want) {
+                Some(told) => *hit = told,
+                None => {
+                    rays.push(ray);
+                    missing.push(index);
+                }
+            }
+        }
+        let mut traced = vec![Hit::ESCAPED; rays.len()];
+        self.scene.trace_many_of(starts, &rays, &mut traced, want);
+        for (index, hit) in missing.into_iter().zip(traced) {
+            hits[index] = hit;
+        }
+        counts
+    }
+
+    /// What each pixel of a picture shows, and the cell in which its ray ends.
+    pub(crate) fn tell(&mut self, camera: &Camera, width: u32, height: u32) -> (Told, BeamCounts) {
+        let count = width as usize * height as usize;
+        let mut told = Told { surfaces: vec![0; count], cells: vec![0; count] };
+        let counts = self.show(camera, width, &mut told.surfaces, Show::Surfaces);
+        self.show(camera, width, &mut told.cells, Show::Cells);
+        (told, counts)
+    }
+
     fn show(&mut self, camera: &Camera, width: u32, pixels: &mut [u32], show: Show) -> BeamCounts {
         let height = pixels.len().checked_div(width as usize).unwrap_or(0) as u32;
         if height == 0 {
             return BeamCounts::default();
         }
         let prisms = Prisms::new(&self.scene.tables);
-        let screen = Screen::new(&camera.pinhole(width, height), &prisms);
-        let start = self.start(camera);
-        let shot = Shot { internal: screen.internal(&prisms), screen, width, show, start, beams: self };
+        let stand = stand(&self.scene, camera);
+        let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
+        let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
+        let shot = Shot { internal, screen, width, show, start, scene, kept: &self.kept };
         shot.bands(pixels);
         let mut counts = BeamCounts::default();
         let mut unsure = Vec::new();
-        for work in self.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
+        for work in self.kept.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
             counts.cells += work.counts.cells;
             counts.spans += work.counts.spans;
             counts.triangles += work.counts.triangles;
@@ -149,25 +202,38 @@ impl<'a> Beams<'a> {
         }
         counts.unsure = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         if show == Show::Light {
-            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start };
+            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, start };
             rays.shade(&unsure, pixels, SKY_COLOR);
         }
         counts
     }
-
-    /// The cell of the eye. Where that is in a solid, every pixel is left to rays.
-    fn start(&self, camera: &Camera) -> Option<u32> {
-        cell_of_eye(self.scene, camera)
-    }
 }
 
-/// The cell in the air of which the eye is; none in a solid.
-pub(crate) fn cell_of_eye(scene: &Scene, camera: &Camera) -> Option<u32> {
-    scene.free_cell(camera.eye()).or_else(|| match scene.locate(camera.eye()) {
+/// The cell of the eye, and where it is moved to, so that it is in no plane: not out of that cell. Where it is in a solid, every pixel is left to rays.
+pub(crate) fn stand(scene: &Scene, camera: &Camera) -> Option<(u32, DVec3)> {
+    let cell = scene.free_cell(camera.eye()).or_else(|| match scene.locate(camera.eye()) {
         Place::Air { cell, .. } => Some(cell),
-        Place::Outside => Some(0),
+        Place::Outside => Some(AROUND),
         Place::InSolid(_) => None,
-    })
+    })?;
+    let prisms = Prisms::new(&scene.tables);
+    let (eye, cells) = (prisms.local(DVec3::from(camera.eye())), prisms.cells);
+    let holds = |cell: u32, signs: DVec3| {
+        let record = &cells[cell as usize];
+        record.kind == CellRecord::AIR && prisms.outside(record, eye + ASIDE * signs) < 0.0
+    };
+    if cell == AROUND || holds(cell, DVec3::ONE) {
+        return Some((cell, DVec3::ONE));
+    }
+    // On a border: into any air that is there.
+    let sign = |index: u32, axis: u32| if index >> axis & 1 == 0 { 1.0 } else { -1.0 };
+    (0..8)
+        .map(|index| DVec3::new(sign(index, 0), sign(index, 1), sign(index, 2)))
+        .find_map(|signs| {
+            let cell = prisms.place(eye + ASIDE * signs, 0.0)?;
+            holds(cell, signs).then_some((cell, signs))
+        })
+        .or(Some((cell, DVec3::ONE)))
 }
 
 impl Shot<'_> {
@@ -184,7 +250,7 @@ impl Shot<'_> {
     }
 
     fn band(&self, index: usize, pixels: &mut [u32]) {
-        let works = || self.beams.works.lock().unwrap_or_else(PoisonError::into_inner);
+        let works = || self.kept.works.lock().unwrap_or_else(PoisonError::into_inner);
         let work = works().pop();
         let mut work = work.unwrap_or_else(Work::new);
         work.band(self, (index * BAND) as i32, pixels);
@@ -200,8 +266,7 @@ impl Work {
 
     /// Paints a band of rows from the `first` on.
     fn band(&mut self, shot: &Shot<'_>, first: i32, pixels: &mut [u32]) {
-        let beams = shot.beams;
-        let (tables, width) = (&beams.scene.tables, shot.width as usize);
+        let (kept, tables, width) = (shot.kept, &shot.scene.tables, shot.width as usize);
         let rows = pixels.len() / width;
         // What is near holds only where it is touched.
         self.near.resize(rows * Cover::blocks(width), [0.0; WIDE]);
@@ -220,10 +285,10 @@ impl Work {
         };
         let mut canvas = Canvas {
             tables,
-            kernels: beams.kernels,
+            kernels: kept.kernels,
             show: shot.show,
             cover,
-            looks: &beams.looks,
+            looks: &kept.looks,
             square: square(&shot.screen),
             sky: SKY_COLOR,
             unsure: &mut self.unsure,
@@ -231,9 +296,22 @@ impl Work {
             triangles: 0,
             spans: 0,
         };
-        let mut walker =
-            Walker::new(tables, &shot.screen, beams.kernels, &mut self.space, &mut canvas, &beams.partings);
-        walker.around = if beams.is_whole && shot.start != Some(0) { NONE } else { tables.cells[0].root };
+        let prisms = Prisms::new(tables);
+        let around = match shot.start {
+            Some(AROUND) if prisms.cells.len() == 1 || prisms.hold(shot.screen.eye) => {
+                Around::All(tables.cells[AROUND as usize].root)
+            }
+            Some(AROUND) => Around::Entered(&kept.outer, &kept.hull),
+            _ => Around::Outer(&kept.outer),
+        };
+        let mut walker = Walker::new(
+            tables,
+            &shot.screen,
+            kept.kernels,
+            &mut self.space,
+            &mut canvas,
+            (&kept.partings, around),
+        );
         walker.band(width as i32, [first, first + rows as i32], shot.start);
         self.counts.spans += canvas.spans;
         self.counts.triangles += canvas.triangles;

@@ -23,11 +23,20 @@ const DEEPEST: usize = 200;
 /// So many edges by so many covers are looked at where few of them are not enough.
 const MOST_PAIRS: usize = 1 << 22;
 
+/// What a surface is split by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum By {
+    /// The upright plane through two points of the plan.
+    Upright([DVec2; 2]),
+    /// This one of the planes.
+    Level(u32),
+}
+
 /// A part of a floor or a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Part {
-    /// Split along the line through two points; the parts on its right and on its left side, as places in the tree.
-    Split { line: [DVec2; 2], right: u32, left: u32 },
+    /// Split; the parts on the right of a line, or over a plane, and on the left, or below, as places in the tree.
+    Split { by: By, right: u32, left: u32 },
     /// This one of the covers.
     Cover(u32),
     /// Nothing says what is there.
@@ -54,8 +63,16 @@ impl Partings {
         covers: &[CoverRecord],
     ) -> &[Part] {
         let index = 2 * cell as usize + usize::from(is_ceiling);
-        self.ends[index].get_or_init(|| Planting::new(prisms, covers).tree())
+        self.ends[index].get_or_init(|| {
+            let cells: Vec<u32> = covers.iter().map(|cover| cover.cell).collect();
+            plan_tree(prisms, &cells)
+        })
     }
+}
+
+/// The tree that tells the footprints of some cells apart, which do not overlap; its root last.
+pub(crate) fn plan_tree(prisms: &Prisms<'_>, cells: &[u32]) -> Box<[Part]> {
+    if cells.is_empty() { [].into() } else { Planting::new(prisms, cells).tree() }
 }
 
 /// A tree being made.
@@ -66,14 +83,13 @@ struct Planting {
 }
 
 impl Planting {
-    fn new(prisms: &Prisms<'_>, covers: &[CoverRecord]) -> Planting {
-        let footprint = |cover: &CoverRecord| {
-            prisms.sides_of(&prisms.cells[cover.cell as usize]).iter().map(corner).collect()
-        };
+    fn new(prisms: &Prisms<'_>, cells: &[u32]) -> Planting {
+        let footprint =
+            |&cell: &u32| prisms.sides_of(&prisms.cells[cell as usize]).iter().map(corner).collect();
         Planting {
-            footprints: covers.iter().map(footprint).collect(),
+            footprints: cells.iter().map(footprint).collect(),
             parts: Vec::new(),
-            most: MOST_NODES.saturating_mul(covers.len()),
+            most: MOST_NODES.saturating_mul(cells.len()),
         }
     }
 
@@ -96,7 +112,7 @@ impl Planting {
                             covers.iter().copied().filter(|&cover| self.reaches(cover, line, side)).collect();
                         self.part(&there, depth + 1)
                     });
-                    Part::Split { line, right, left }
+                    Part::Split { by: By::Upright(line), right, left }
                 }
             },
         };

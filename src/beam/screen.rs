@@ -12,7 +12,7 @@ use crate::trace::Prisms;
 
 /// The eye is taken to be so far, metres, from where it is, in a direction that no building has: then it lies in no plane of a cell.
 /// Seen from a metre away that is a millionth of a pixel.
-const ASIDE: DVec3 = DVec3::new(0.754_877_666e-9, 0.569_840_291e-9, 0.430_159_709e-9);
+pub(crate) const ASIDE: DVec3 = DVec3::new(0.754_877_666e-9, 0.569_840_291e-9, 0.430_159_709e-9);
 
 /// An eye that is farther outside of its own cell than this, metres, counts as this far inside.
 const WITHIN: f64 = 1e-12;
@@ -28,11 +28,12 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    pub(crate) fn new(pinhole: &Pinhole, prisms: &Prisms<'_>) -> Screen {
+    /// The eye is moved toward where `signs` say along the lattice's axes.
+    pub(crate) fn new(pinhole: &Pinhole, prisms: &Prisms<'_>, signs: DVec3) -> Screen {
         let [eye, corner, across, down] = pinhole.parts();
         let [corner, across, down] = [corner, across, down].map(|d| prisms.turned(d));
         let first = corner + (across + down) * 0.5;
-        Screen { eye: prisms.local(eye) + ASIDE, first, across, down }
+        Screen { eye: prisms.local(eye) + ASIDE * signs, first, across, down }
     }
 
     /// The same along the internal frame's axes.
@@ -89,12 +90,23 @@ impl Plane {
         self.away < 0.0
     }
 
+    /// The same with the outside in.
+    pub(crate) fn turned(&self) -> Plane {
+        Plane { size: self.size, grows: self.grows.map(|c| -c), away: -self.away }
+    }
+
+    /// The rays that come nearer to it, of an eye that is outside, are on this line's positive side.
+    pub(crate) fn ahead(&self) -> Line {
+        Line(self.grows.map(|c| -c))
+    }
+
     /// The same plane, of a cell that holds the eye.
     pub(crate) fn around_eye(self) -> Plane {
         Plane { away: self.away.min(-WITHIN), ..self }
     }
 
-    /// Where rays that leave through `exit` do so outside of this plane: there the line's positive side is.
+    /// Where rays that leave through `exit` do so outside of this plane: there the line's positive side is. Of rays from outside that come through `exit` the
+    /// other way it is where they do so inside.
     pub(crate) fn beyond_at(&self, exit: &Plane) -> Line {
         let along = |i: usize| self.away * exit.grows[i] - exit.away * self.grows[i];
         Line([along(0), along(1), along(2)])

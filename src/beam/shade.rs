@@ -4,7 +4,7 @@ use super::detail::{Detail, Drawn, borders_of};
 use super::kernels::{Cover, Flat, Kernels, Tint};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
-use super::walk::{Paint, Seen};
+use super::walk::{AROUND, Paint, Seen, Triangles};
 use crate::format::Views;
 use crate::format::records::SourceRecord;
 use crate::render::to_srgb;
@@ -31,6 +31,8 @@ pub(crate) enum Show {
     Light,
     /// Numbers of what they show, see [`Surface`](super::Surface).
     Surfaces,
+    /// The cells in which their rays end.
+    Cells,
 }
 
 /// The bit of the number of what pixels show that says: a source of faces, by its number; else a triangle.
@@ -99,6 +101,7 @@ impl Canvas<'_, '_> {
         &mut self,
         arena: &Arena,
         region: &Region,
+        cell: u32,
         list: impl FnOnce(&mut Detail<'_>, &mut dyn FnMut(&Drawn)),
     ) {
         let Canvas { tables, kernels, show, cover, looks, square, triangles, detail, .. } = self;
@@ -114,6 +117,7 @@ impl Canvas<'_, '_> {
                     kernels.draw(borders, cover, first, &drawn.deep, &shading);
                 }
                 Show::Surfaces => kernels.draw(borders, cover, first, &drawn.deep, &Flat(drawn.triangle)),
+                Show::Cells => kernels.draw(borders, cover, first, &drawn.deep, &Flat(cell)),
             }
         });
     }
@@ -140,14 +144,22 @@ impl Canvas<'_, '_> {
 }
 
 impl Paint for Canvas<'_, '_> {
-    fn detail(&mut self, arena: &Arena, region: &Region, root: u32, exits: &[Plane]) {
-        self.draw(arena, region, |detail, draw| detail.draw(region, root, exits, draw));
+    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]) {
+        let (cell, triangles) = of;
+        self.draw(arena, region, cell, |detail, draw| match triangles {
+            Triangles::Below(root) => detail.draw(region, root, exits, draw),
+            Triangles::Outer(outer) => detail.draw_outer(region, outer, exits, draw),
+        });
+    }
+
+    fn is_hidden(&self, arena: &Arena, region: &Region) -> bool {
+        self.kernels.is_taken(arena.borders(region), &self.cover, region.rows[0])
     }
 
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen) {
         self.spans += (region.rows[1] - region.rows[0]) as u64;
         match (seen, self.show) {
-            (Seen::Face { source, plane, is_plain: true }, Show::Light) => {
+            (Seen::Face { source, plane, is_plain: true, .. }, Show::Light) => {
                 let source = self.tables.sources[*source as usize];
                 let shading = Shading {
                     grows: plane.grows.map(|c| (c / plane.size) as f32),
@@ -159,12 +171,13 @@ impl Paint for Canvas<'_, '_> {
             (Seen::Face { source, is_plain: true, .. }, Show::Surfaces) => {
                 self.fill(arena, region, &Flat(SOURCE | source));
             }
-            (Seen::Face { source, is_plain: false, .. }, _) => {
+            (Seen::Face { cell, is_plain: true, .. }, Show::Cells) => self.fill(arena, region, &Flat(*cell)),
+            (Seen::Face { source, cell, is_plain: false, .. }, _) => {
                 // Its own triangles, and rays where they do not fill it.
                 let SourceRecord { first, count, root, .. } = self.tables.sources[*source as usize];
                 let listed = first as usize..first as usize + count as usize;
                 let tables = self.tables;
-                self.draw(arena, region, |detail, draw| match root {
+                self.draw(arena, region, *cell, |detail, draw| match root {
                     NONE => detail.draw_listed(region, &tables.surfaces[listed], draw),
                     root => detail.draw(region, root, &[], draw),
                 });
@@ -172,6 +185,7 @@ impl Paint for Canvas<'_, '_> {
             }
             (Seen::Nothing, Show::Light) => self.fill(arena, region, &Flat(self.sky)),
             (Seen::Nothing, Show::Surfaces) => self.fill(arena, region, &Flat(SKY)),
+            (Seen::Nothing, Show::Cells) => self.fill(arena, region, &Flat(AROUND)),
             (Seen::Unsure, _) => self.doubt(arena, region),
         }
     }

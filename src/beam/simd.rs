@@ -44,6 +44,11 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
+        pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::kernels::Cover<'_>, first: i32) -> bool {
+            super::kernels::is_taken::<$wide>(borders, cover, first)
+        }
+
+        #[target_feature(enable = $features)]
         pub(super) fn packets(band: &mut crate::packets::Band<'_, '_, '_>) {
             band.run::<$wide>();
         }
@@ -109,7 +114,12 @@ pub(super) fn draw<T: Tint>(
     by_kernel!(kernel, draw, <T>, (borders, cover, first, deep, tint));
 }
 
-/// Paints a band of rows by packets.
+#[inline]
+pub(super) fn is_taken(kernel: Kernel, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
+    by_kernel!(kernel, is_taken, <>, (borders, cover, first))
+}
+
+/// Makes a band of rows by packets.
 pub(crate) fn packets(kernels: Kernels, band: &mut Band<'_, '_, '_>) {
     #[cfg(target_arch = "x86_64")]
     match kernels.0.extensions() {

@@ -1,19 +1,20 @@
 //! Pictures by beams against those by rays, and what each pixel is written by.
 
+use glam::DVec3;
 use proptest::prelude::*;
 
 use super::kernels::Kernels;
 use super::parting::Partings;
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
-use super::walk::{Paint, Seen, Space, Walker};
+use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
 use crate::generate::{
     Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random,
     round_room, tower,
 };
 use crate::render::{Camera, room_views};
-use crate::trace::{Kernel, NONE, Place, Prisms};
+use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Starts, Want};
 use crate::{CompileOptions, Scene, compile};
 
 /// Even, so that no ray goes straight ahead, along planes that the eye is in the middle between.
@@ -74,7 +75,7 @@ pub(crate) fn touching_views(scene: &Scene) -> Vec<Camera> {
     views
 }
 
-fn sum(beams: &mut Beams<'_>, views: &[Camera]) -> Differences {
+fn sum(beams: &mut Beams<&Scene>, views: &[Camera]) -> Differences {
     let [width, height] = SIZE;
     total(views, |camera| beams.differences(camera, width, height))
 }
@@ -88,6 +89,7 @@ pub(crate) fn total(views: &[Camera], mut of: impl FnMut(&Camera) -> Differences
         sum.unwritten += one.unwritten;
         sum.ties += one.ties;
         sum.touching += one.touching;
+        sum.flush += one.flush;
         sum.wrong.extend(one.wrong);
         sum
     })
@@ -125,7 +127,9 @@ fn eyes_in_planes_and_on_corners() {
         assert!(views.len() > 5, "{name}: {} eyes", views.len());
         let sum = sum(&mut Beams::new(&scene), &views);
         assert_eq!(sum.unwritten, 0, "{name}");
-        assert!(sum.wrong.len() as u64 * 5_000 <= sum.pixels, "{name}: {:?}", &sum.wrong[..3]);
+        let wrong: Vec<_> = sum.wrong.iter().take(3).collect();
+        // Twenty parts in a million: what the eye touches has no one picture.
+        assert!(sum.wrong.len() as u64 * 50_000 <= sum.pixels, "{name}: {} {wrong:?}", sum.wrong.len());
     }
 }
 
@@ -163,7 +167,11 @@ impl Paint for Count {
         }
     }
 
-    fn detail(&mut self, _: &Arena, _: &Region, _: u32, _: &[Plane]) {}
+    fn detail(&mut self, _: &Arena, _: &Region, _: (u32, Triangles<'_>), _: &[Plane]) {}
+
+    fn is_hidden(&self, _: &Arena, _: &Region) -> bool {
+        false
+    }
 }
 
 #[test]
@@ -172,13 +180,20 @@ fn each_pixel_is_painted_once() {
     for (name, scene) in scenes() {
         let prisms = Prisms::new(&scene.tables);
         for camera in views(&scene, 10) {
-            let screen = Screen::new(&camera.pinhole(width, height), &prisms);
+            let screen = Screen::new(&camera.pinhole(width, height), &prisms, DVec3::ONE);
             let Place::Air { cell, .. } = scene.locate(camera.eye()) else { continue };
             let mut count = Count { width: width as usize, counts: vec![0; (width * height) as usize] };
             let mut space = Space::new();
             let kernels = Kernels(Kernel::best());
             let partings = Partings::new(scene.tables.cells.len());
-            let mut walker = Walker::new(&scene.tables, &screen, kernels, &mut space, &mut count, &partings);
+            let mut walker = Walker::new(
+                &scene.tables,
+                &screen,
+                kernels,
+                &mut space,
+                &mut count,
+                (&partings, Around::All(NONE)),
+            );
             for first in (0..height as i32).step_by(50) {
                 walker.band(width as i32, [first, (first + 50).min(height as i32)], Some(cell));
             }
@@ -267,6 +282,36 @@ proptest! {
             }
             let inside = &counts[(rows[0] * width) as usize..];
             prop_assert!(inside.iter().all(|&count| count == 1));
+        }
+    }
+}
+
+#[test]
+fn hits_are_those_of_rays() {
+    let [width, height] = SIZE;
+    for (name, scene) in scenes().into_iter().take(6) {
+        let mut beams = Beams::new(&scene);
+        for camera in views(&scene, 4) {
+            let pinhole = camera.pinhole(width, height);
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let rays: Vec<Ray> = pixels.map(|(x, y)| pinhole.ray(x, y)).collect();
+            let want = Want::default();
+            let (mut by_beams, mut by_rays) =
+                (vec![Hit::ESCAPED; rays.len()], vec![Hit::ESCAPED; rays.len()]);
+            beams.hits(&camera, width, want, &mut by_beams);
+            scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, want);
+            let mut differing = Vec::new();
+            for (beam, ray) in by_beams.iter().zip(&by_rays) {
+                // On edges either of two answers is right, and of triangles in one plane either.
+                let is_same = (beam.element, beam.cell, beam.room, beam.semantic, beam.material)
+                    == (ray.element, ray.cell, ray.room, ray.semantic, ray.material)
+                    && (beam.t == ray.t || (beam.t - ray.t).abs() < 1e-9)
+                    && (0..3).all(|i| (beam.normal[i] - ray.normal[i]).abs() < 1e-9);
+                if !is_same {
+                    differing.push((beam, ray));
+                }
+            }
+            assert!(differing.len() <= 2, "{name}: {} differ, {:?}", differing.len(), differing[0]);
         }
     }
 }

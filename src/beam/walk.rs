@@ -4,10 +4,12 @@
 //! eye and the footprint's corners split the region into one part a side; then a line each tells the rays that come to the floor or the ceiling
 //! before. What leads to air goes on there; all else is shown.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
+use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;
-use super::parting::{Part, Partings};
+use super::outer::Outer;
+use super::parting::{By, Part, Partings};
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
@@ -17,15 +19,28 @@ use crate::trace::{NONE, Prisms};
 /// Beams that are split more often end in doubt: only files made to be slow do that.
 const MOST_TASKS: usize = 1 << 22;
 
+/// The cell around the prisms.
+pub(crate) const AROUND: u32 = 0;
+
 /// What a region of a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Seen {
-    /// A wall, floor or ceiling of a cell: what it is by its number among the sources, and whether that fills it, in one plane.
-    Face { source: u32, plane: Plane, is_plain: bool },
+    /// A wall, floor or ceiling of a cell: what it is by its number among the sources, whether
+    /// that fills it, in one plane, and the cell of air before it.
+    Face { source: u32, plane: Plane, is_plain: bool, cell: u32 },
     /// Nothing at all.
     Nothing,
     /// What cells do not tell.
     Unsure,
+}
+
+/// Some triangles.
+#[derive(Clone, Copy)]
+pub(crate) enum Triangles<'a> {
+    /// All below a root.
+    Below(u32),
+    /// Those around the prisms.
+    Outer(&'a Outer),
 }
 
 /// What becomes of the parts of a picture.
@@ -33,9 +48,12 @@ pub(crate) trait Paint {
     /// Takes a region: no pixel comes twice, and each of the picture comes once.
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen);
 
-    /// Takes what a region shows of the triangles below `root` before its rays leave through one of the planes, of which those count that may be left
+    /// Takes what a region shows of the triangles of a cell before its rays leave through one of the planes, of which those count that may be left
     /// through. What is painted after that in the same place is behind.
-    fn detail(&mut self, arena: &Arena, region: &Region, root: u32, exits: &[Plane]);
+    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]);
+
+    /// Whether all pixels of a region show detail before whatever comes now.
+    fn is_hidden(&self, arena: &Arena, region: &Region) -> bool;
 }
 
 /// A region of the picture whose rays are in a cell.
@@ -70,8 +88,19 @@ pub(super) struct Walker<'a, P> {
     space: &'a mut Space,
     paint: &'a mut P,
     partings: &'a Partings,
-    /// The root of what lies around the prisms; or none.
-    pub(super) around: u32,
+    /// What lies around the prisms.
+    around: Around<'a>,
+}
+
+/// What lies around the prisms.
+#[derive(Clone, Copy)]
+pub(super) enum Around<'a> {
+    /// These; the eye is in the zone of the prisms.
+    Outer(&'a Outer),
+    /// These; the eye is outside of the zone, which rays enter through its sides.
+    Entered(&'a Outer, &'a Hull),
+    /// All triangles, whose root this is: there are no prisms, or the eye is between them.
+    All(u32),
 }
 
 impl<'a, P: Paint> Walker<'a, P> {
@@ -81,9 +110,9 @@ impl<'a, P: Paint> Walker<'a, P> {
         kernels: Kernels,
         space: &'a mut Space,
         paint: &'a mut P,
-        partings: &'a Partings,
+        (partings, around): (&'a Partings, Around<'a>),
     ) -> Self {
-        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, partings, around: NONE }
+        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, partings, around }
     }
 
     /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye, if one does.
@@ -95,10 +124,16 @@ impl<'a, P: Paint> Walker<'a, P> {
             self.show(region, Seen::Unsure);
             return;
         };
-        self.push(start, NONE, region);
+        match self.around {
+            Around::Entered(_, hull) => self.enter(region, hull),
+            _ => self.push(start, NONE, region),
+        }
         let mut count = 0;
         while let Some(task) = self.space.tasks.pop() {
             self.space.arena.forget(task.top);
+            if task.from != NONE && self.paint.is_hidden(&self.space.arena, &task.region) {
+                continue;
+            }
             count += 1;
             if count > MOST_TASKS {
                 self.show(task.region, Seen::Unsure);
@@ -134,10 +169,88 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     /// What the rays of a region meet around the prisms. No triangle within is met by them, or they would not have come there.
     fn outside(&mut self, region: Region) {
-        if self.around != NONE {
-            self.paint.detail(&self.space.arena, &region, self.around, &[]);
-        }
+        self.draw_around(&region, &[]);
         self.show(region, Seen::Nothing);
+    }
+
+    /// What lies around the prisms, as far as a region's rays come to it before some planes.
+    fn draw_around(&mut self, region: &Region, before: &[Plane]) {
+        let triangles = match self.around {
+            Around::Outer(outer) | Around::Entered(outer, _) => Triangles::Outer(outer),
+            Around::All(root) => Triangles::Below(root),
+        };
+        self.paint.detail(&self.space.arena, region, (AROUND, triangles), before);
+    }
+
+    /// The rays of a region, which come from outside: into the zone of the prisms, or past it. They enter it through one of those sides
+    /// that the eye is outside of, inside of all others.
+    fn enter(&mut self, region: Region, hull: &Hull) {
+        let sides = [0, 1, 2].into_iter().flat_map(|axis| [(axis, false), (axis, true)]);
+        let planes: Vec<(Side, Plane)> = sides.map(|side| (side, self.side(side))).collect();
+        let mut rest = vec![region];
+        for (i, &(side, plane)) in planes.iter().enumerate().filter(|(_, (_, plane))| !plane.is_exit()) {
+            let mut next = Vec::new();
+            for region in std::mem::take(&mut rest) {
+                let (mut entering, away) = self.split(region, plane.ahead());
+                next.extend(away);
+                for (k, (_, other)) in planes.iter().enumerate() {
+                    let Some(region) = entering.filter(|_| k != i) else { continue };
+                    // The other way round than for rays that leave.
+                    let (inside, outside) = self.split(region, other.beyond_at(&plane));
+                    next.extend(outside);
+                    entering = inside;
+                    if entering.is_none() {
+                        break;
+                    }
+                }
+                let Some(region) = entering else { continue };
+                self.draw_around(&region, &[plane.turned()]);
+                let entries = hull.of(side, &self.prisms);
+                match entries.tree.len() {
+                    0 => self.show(region, Seen::Unsure),
+                    count => self.enter_part(&plane, entries, count - 1, region),
+                }
+            }
+            rest = next;
+        }
+        rest.into_iter().for_each(|region| self.outside(region));
+    }
+
+    /// A side of the zone.
+    fn side(&self, (axis, is_upper): Side) -> Plane {
+        let sign = if is_upper { 1.0 } else { -1.0 };
+        let away = self.screen.eye[axis] - self.prisms.zone[usize::from(is_upper)][axis];
+        self.screen.plane(DVec3::AXES[axis] * sign, away * sign)
+    }
+
+    /// Rays that enter the zone through one of its sides, by the tree of its parts from one place on.
+    fn enter_part(&mut self, plane: &Plane, entries: &Entries, at: usize, region: Region) {
+        match entries.tree[at] {
+            Part::Unsure => self.show(region, Seen::Unsure),
+            Part::Cover(index) => {
+                let cell = entries.cells[index as usize];
+                match self.prisms.cells[cell as usize].kind {
+                    CellRecord::AIR => self.push(cell, AROUND, region),
+                    _ => self.show(region, Seen::Unsure),
+                }
+            }
+            Part::Split { by, right, left } => {
+                let (inner, outer) = self.split(region, self.splitting(by).beyond_at(plane));
+                for (region, at) in [(outer, right), (inner, left)] {
+                    if let Some(region) = region {
+                        self.enter_part(plane, entries, at as usize, region);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The plane that splits a surface.
+    fn splitting(&self, by: By) -> Plane {
+        match by {
+            By::Upright([a, b]) => self.upright(a, b),
+            By::Level(plane) => self.level(plane, 1.0),
+        }
     }
 
     /// What the rays of a region do in a cell.
@@ -161,7 +274,12 @@ impl<'a, P: Paint> Walker<'a, P> {
         }
         planes.extend([floor, ceiling]);
         if cell.root != NONE {
-            self.paint.detail(&self.space.arena, &task.region, cell.root, &planes);
+            self.paint.detail(
+                &self.space.arena,
+                &task.region,
+                (task.cell, Triangles::Below(cell.root)),
+                &planes,
+            );
         }
         planes.truncate(sides.len());
         let inside = In { task, cell, sides, planes: &planes, ends: [floor, ceiling] };
@@ -292,9 +410,8 @@ impl<'a, P: Paint> Walker<'a, P> {
                 let cover = &covers[cover as usize];
                 self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             }
-            Part::Split { line: [a, b], right, left } => {
-                let line = self.upright(a, b).beyond_at(plane);
-                let (outer, inner) = self.split(region, line);
+            Part::Split { by, right, left } => {
+                let (outer, inner) = self.split(region, self.splitting(by).beyond_at(plane));
                 for (region, at) in [(outer, right), (inner, left)] {
                     if let Some(region) = region {
                         self.part(inside, plane, (tree, at as usize), covers, region);
@@ -310,7 +427,7 @@ impl<'a, P: Paint> Walker<'a, P> {
         let next = &self.prisms.cells[beyond as usize];
         let seen = match next.kind {
             CellRecord::SOLID if source != NONE && next.flags & CellRecord::HIDDEN == 0 => {
-                Seen::Face { source, plane: *plane, is_plain }
+                Seen::Face { source, plane: *plane, is_plain, cell }
             }
             CellRecord::AIR if source == NONE && beyond != inside.task.from => {
                 self.push(beyond, cell, region);

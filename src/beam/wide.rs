@@ -74,6 +74,17 @@ pub(crate) const MAGIC: f32 = 8_388_608.0;
 /// What is opaque.
 pub(crate) const OPAQUE: u32 = 0xff00_0000;
 
+/// Of each number what `f` makes of its place. Written out, since `array::from_fn` is a function by itself, in which nothing is done side by side.
+macro_rules! each {
+    ($count:expr, $zero:expr, |$i:ident| $body:expr) => {{
+        let mut out = [$zero; $count];
+        for $i in 0..$count {
+            out[$i] = $body;
+        }
+        out
+    }};
+}
+
 #[inline(always)]
 fn bits(is_set: impl Fn(usize) -> bool) -> u32 {
     (0..WIDE).fold(0, |bits, i| bits | u32::from(is_set(i)) << i)
@@ -89,7 +100,7 @@ impl Wide for Portable {
     }
     #[inline(always)]
     fn count() -> Self {
-        Portable(std::array::from_fn(|i| i as f32))
+        Portable(each!(WIDE, 0.0, |i| i as f32))
     }
     #[inline(always)]
     fn load(from: &[f32; WIDE]) -> Self {
@@ -97,23 +108,23 @@ impl Wide for Portable {
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Portable(std::array::from_fn(|i| self.0[i] + other.0[i]))
+        Portable(each!(WIDE, 0.0, |i| self.0[i] + other.0[i]))
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Portable(std::array::from_fn(|i| self.0[i] * other.0[i]))
+        Portable(each!(WIDE, 0.0, |i| self.0[i] * other.0[i]))
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, more: Self) -> Self {
-        Portable(std::array::from_fn(|i| self.0[i] * factor.0[i] + more.0[i]))
+        Portable(each!(WIDE, 0.0, |i| self.0[i] * factor.0[i] + more.0[i]))
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Portable(self.0.map(f32::abs))
+        Portable(each!(WIDE, 0.0, |i| self.0[i].abs()))
     }
     #[inline(always)]
     fn inverse_root(self) -> Self {
-        Portable(self.0.map(|x| 1.0 / x.sqrt()))
+        Portable(each!(WIDE, 0.0, |i| 1.0 / self.0[i].sqrt()))
     }
     #[inline(always)]
     fn greater(self, other: Self) -> u32 {
@@ -125,11 +136,11 @@ impl Wide for Portable {
     }
     #[inline(always)]
     fn put(self, mask: u32, to: &mut [f32; WIDE]) {
-        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { self.0[i] } else { to[i] });
+        *to = each!(WIDE, Default::default(), |i| if mask >> i & 1 != 0 { self.0[i] } else { to[i] });
     }
     #[inline(always)]
     fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
-        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { self.0[i] } else { 0.0 });
+        *to = each!(WIDE, Default::default(), |i| if mask >> i & 1 != 0 { self.0[i] } else { 0.0 });
     }
     #[inline(always)]
     fn words(x: u32) -> Self::Words {
@@ -138,11 +149,11 @@ impl Wide for Portable {
     #[inline(always)]
     fn bytes(red: Self, green: Self, blue: Self) -> Self::Words {
         let byte = |x: f32| (x + MAGIC).to_bits() & 0xff;
-        std::array::from_fn(|i| byte(red.0[i]) | byte(green.0[i]) << 8 | byte(blue.0[i]) << 16 | OPAQUE)
+        each!(WIDE, 0, |i| byte(red.0[i]) | byte(green.0[i]) << 8 | byte(blue.0[i]) << 16 | OPAQUE)
     }
     #[inline(always)]
     fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
-        *to = std::array::from_fn(|i| if mask >> i & 1 != 0 { words[i] } else { to[i] });
+        *to = each!(WIDE, Default::default(), |i| if mask >> i & 1 != 0 { words[i] } else { to[i] });
     }
     #[inline(always)]
     fn put_all(words: Self::Words, to: &mut [u32; WIDE]) {
@@ -159,7 +170,7 @@ impl Columns for PortableColumns {
     fn not_left(slope: f64, start: f64, first: i32) -> Self {
         /// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.
         const MAGIC: f64 = 6_755_399_441_055_744.0;
-        PortableColumns(std::array::from_fn(|i| {
+        PortableColumns(each!(ROWS, 0, |i| {
             let column = start + slope * (f64::from(first) + i as f64);
             let column = column.max(-FARTHEST).min(FARTHEST);
             let nearest = (column + MAGIC) - MAGIC;
@@ -177,11 +188,11 @@ impl Columns for PortableColumns {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        PortableColumns(std::array::from_fn(|i| self.0[i].min(other.0[i])))
+        PortableColumns(each!(ROWS, 0, |i| self.0[i].min(other.0[i])))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        PortableColumns(std::array::from_fn(|i| self.0[i].max(other.0[i])))
+        PortableColumns(each!(ROWS, 0, |i| self.0[i].max(other.0[i])))
     }
     #[inline(always)]
     fn less(self, other: Self) -> u32 {

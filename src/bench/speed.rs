@@ -54,6 +54,8 @@ pub struct SpeedRow {
     pub ratio: f64,
     /// Rays on which the distance differs by more than the tolerance from the first way's.
     pub differing: u64,
+    /// The share of its pixels that a way that makes pictures as a whole left to rays; 0 for all others.
+    pub left_to_rays: f64,
 }
 
 /// What [`speed`] measured.
@@ -81,20 +83,23 @@ pub fn speed(scene: &Arc<Scene>, views: &[Camera], options: &SpeedOptions) -> Sp
     let tracers: Vec<Tracer> =
         options.kernels.iter().filter_map(|name| Tracer::by_name(name, scene)).collect();
     let (width, height) = options.size;
-    let frames: Vec<Vec<Ray>> = views
+    let frames: Vec<Frame<'_>> = views
         .iter()
         .filter(|camera| matches!(scene.locate(camera.eye()), Place::Air { .. } | Place::Outside))
         .map(|camera| {
             let pinhole = camera.pinhole(width, height);
-            (0..height)
+            let rays = (0..height)
                 .flat_map(|y| (0..width).map(move |x| (x, y)))
                 .map(|(x, y)| pinhole.ray(x, y))
-                .collect()
+                .collect();
+            Frame { camera: Some((camera, options.size)), rays }
         })
         .collect();
-    let random = vec![random_rays(scene, options.random_rays, options.seed)];
+    let random = Frame { camera: None, rays: random_rays(scene, options.random_rays, options.seed) };
     let mut rows = measure("primary", scene, &tracers, &frames, options.repeat);
-    rows.extend(measure("random", scene, &tracers, &random, options.repeat));
+    // Whole pictures need a camera.
+    let singles: Vec<Tracer> = tracers.into_iter().filter(|tracer| !tracer.paints()).collect();
+    rows.extend(measure("random", scene, &singles, &[random], options.repeat));
     SpeedReport {
         version: env!("CARGO_PKG_VERSION"),
         machine: machine(),
@@ -105,24 +110,39 @@ pub fn speed(scene: &Arc<Scene>, views: &[Camera], options: &SpeedOptions) -> Sp
     }
 }
 
+/// Rays that are timed together: those of a camera's picture, so many pixels wide and high, or any.
+struct Frame<'a> {
+    camera: Option<(&'a Camera, (u32, u32))>,
+    rays: Vec<Ray>,
+}
+
 fn measure(
     what: &'static str,
     scene: &Scene,
     tracers: &[Tracer],
-    frames: &[Vec<Ray>],
+    frames: &[Frame<'_>],
     repeat: u32,
 ) -> Vec<SpeedRow> {
     let mut seconds = vec![0.0; tracers.len()];
     let mut differing = vec![0u64; tracers.len()];
-    let rays: u64 = frames.iter().map(|f| f.len() as u64).sum();
+    let mut left = vec![0u64; tracers.len()];
+    let rays: u64 = frames.iter().map(|f| f.rays.len() as u64).sum();
     for frame in frames {
-        let mut hits: Vec<Vec<Hit>> = tracers.iter().map(|_| vec![Hit::ESCAPED; frame.len()]).collect();
+        let mut hits: Vec<Vec<Hit>> = tracers.iter().map(|_| vec![Hit::ESCAPED; frame.rays.len()]).collect();
         let mut times = vec![Vec::new(); tracers.len()];
         for _ in 0..repeat.max(1) {
             for (i, tracer) in tracers.iter().enumerate() {
                 let start = Instant::now();
-                trace(tracer, frame, &mut hits[i]);
+                picture(tracer, frame.camera, &frame.rays, &mut hits[i]);
                 times[i].push(start.elapsed().as_secs_f64());
+            }
+        }
+        for (i, tracer) in tracers.iter().enumerate() {
+            if let Some((camera, size)) = frame.camera
+                && let Some(unsure) = tracer.picture(camera, size)
+            {
+                left[i] += unsure;
+                tracer.shown(camera, size.0, &mut hits[i]);
             }
         }
         for i in 0..tracers.len() {
@@ -144,6 +164,7 @@ fn measure(
         mrays_per_s: rays as f64 / seconds[i] / 1e6,
         ratio: seconds[0] / seconds[i],
         differing: differing[i],
+        left_to_rays: left[i] as f64 / rays as f64,
     };
     tracers.iter().enumerate().map(row).collect()
 }
@@ -178,11 +199,17 @@ impl Timed {
         self.install(threads)
     }
 
-    /// How long a way takes for some rays, seconds.
-    pub(super) fn seconds(&self, way: &dyn Way, rays: &[Ray], hits: &mut [Hit]) -> f64 {
+    /// How long a way takes for the picture of a camera, so many pixels wide and high, whose rays are these; seconds.
+    pub(super) fn seconds(
+        &self,
+        way: &dyn Way,
+        camera: (&Camera, (u32, u32)),
+        rays: &[Ray],
+        hits: &mut [Hit],
+    ) -> f64 {
         self.install(|| {
             let start = Instant::now();
-            trace(way, rays, hits);
+            picture(way, Some(camera), rays, hits);
             start.elapsed().as_secs_f64()
         })
     }
@@ -192,6 +219,13 @@ impl Timed {
         return self.pool.install(work);
         #[cfg(not(feature = "rayon"))]
         work()
+    }
+}
+
+/// The picture of a camera by one way, if that makes pictures; else its rays, or any rays.
+fn picture(way: &dyn Way, camera: Option<(&Camera, (u32, u32))>, rays: &[Ray], hits: &mut [Hit]) {
+    if camera.and_then(|(camera, size)| way.picture(camera, size)).is_none() {
+        trace(way, rays, hits);
     }
 }
 

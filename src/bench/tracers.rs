@@ -2,7 +2,7 @@
 //! by itself, on the same triangles; of a model, also scenes compiled otherwise, rays in f32, and the truth in f64.
 
 use std::borrow::Borrow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use enfilade_importers::{Model, Untagged};
 use glam::DVec3;
@@ -15,9 +15,11 @@ use obvhs::ray::{Ray as SingleRay, RayHit};
 use obvhs::triangle::Triangle;
 
 use super::way::Way;
+use crate::beam::Beams;
 use crate::compile::{CompileError, CompileOptions, compile};
 use crate::oracle::Truth;
 use crate::partition::Convexification;
+use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
 
@@ -32,9 +34,17 @@ enum Kind {
     /// The same of rays that were rounded to f32.
     Narrow(Kernel, Arc<Scene>),
     Batch(Arc<Scene>),
+    /// Whole pictures; of rays by themselves a batch.
+    Beams(Arc<Scene>, Mutex<Painter>),
     Truth(Arc<Truth>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
+}
+
+/// Beams, and a picture that is painted again and again.
+struct Painter {
+    beams: Beams<Arc<Scene>>,
+    pixels: Vec<u32>,
 }
 
 /// The scene's triangles in f32, relative to the middle of the hull.
@@ -93,13 +103,18 @@ impl Rounded {
 
 /// The names of all ways that this machine has.
 pub fn names() -> Vec<String> {
-    let kernels = Kernel::available().into_iter().map(|k| format!("enfilade-{}", k.name()));
-    kernels.chain(["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned)).collect()
+    let kernels = |prefix: &'static str| {
+        Kernel::available().into_iter().map(move |kernel| format!("{prefix}{}", kernel.name()))
+    };
+    let others = ["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
+    kernels("enfilade-").chain(kernels(BEAMS)).chain(others).collect()
 }
 
 /// Ways that need the model, besides [`names`].
 const OF_MODELS: [&str; 4] = [F32_RAYS, NO_CELLS, DIAGONALS, TRUTH];
 
+/// What names of ways that make pictures by beams begin with.
+const BEAMS: &str = "enfilade-beams-";
 const F32_RAYS: &str = "enfilade-f32-rays";
 const NO_CELLS: &str = "enfilade-no-cells";
 const DIAGONALS: &str = "enfilade-diagonals";
@@ -151,6 +166,9 @@ impl Tracer {
     pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
         let kind = if name == "enfilade-batch" {
             Kind::Batch(Arc::clone(scene))
+        } else if let Some(kernel) = name.strip_prefix(BEAMS) {
+            let beams = Beams::new(Arc::clone(scene)).with_kernel(Kernel::by_name(kernel)?);
+            Kind::Beams(Arc::clone(scene), Mutex::new(Painter { beams, pixels: Vec::new() }))
         } else if let Some(kernel) = name.strip_prefix("enfilade-") {
             Kind::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {
@@ -171,6 +189,11 @@ impl Tracer {
             }
         };
         Some(Tracer { name: name.to_owned(), kind })
+    }
+
+    /// Whether it makes whole pictures.
+    pub(super) fn paints(&self) -> bool {
+        matches!(self.kind, Kind::Beams(..))
     }
 
     /// Rays each of which starts where the last one did, or not, as a caller would ask who knows that.
@@ -207,7 +230,7 @@ impl Way for Tracer {
             Kind::Narrow(kernel, scene) => {
                 Tracer::trace_one_by_one(*kernel, scene, rays.iter().map(narrow), hits)
             }
-            Kind::Batch(scene) => scene.trace_many(rays, hits, Want::LEAST),
+            Kind::Batch(scene) | Kind::Beams(scene, _) => scene.trace_many(rays, hits, Want::LEAST),
             Kind::Truth(truth) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = truth.nearest(ray).map_or(Hit::ESCAPED, |nearest| Hit {
@@ -240,7 +263,9 @@ impl Way for Tracer {
         match &self.kind {
             Kind::Kernel(kernel, scene) => one_by_one(*kernel, scene, hits, |ray| *ray),
             Kind::Narrow(kernel, scene) => one_by_one(*kernel, scene, hits, narrow),
-            Kind::Batch(scene) => scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST),
+            Kind::Batch(scene) | Kind::Beams(scene, _) => {
+                scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST);
+            }
             _ => self.trace(rays, hits),
         }
     }
@@ -255,7 +280,22 @@ impl Way for Tracer {
         }
     }
 
+    fn picture(&self, camera: &Camera, (width, height): (u32, u32)) -> Option<u64> {
+        let Kind::Beams(_, painter) = &self.kind else { return None };
+        let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
+        let Painter { beams, pixels } = &mut *painter;
+        pixels.resize(width as usize * height as usize, 0);
+        Some(beams.paint(camera, width, pixels).unsure)
+    }
+
+    fn shown(&self, camera: &Camera, width: u32, hits: &mut [Hit]) {
+        if let Kind::Beams(_, painter) = &self.kind {
+            let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
+            painter.beams.hits(camera, width, Want::LEAST, hits);
+        }
+    }
+
     fn is_batch(&self) -> bool {
-        matches!(self.kind, Kind::Batch(_))
+        matches!(self.kind, Kind::Batch(_) | Kind::Beams(..))
     }
 }

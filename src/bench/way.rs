@@ -1,5 +1,6 @@
 //! What is measured: ways to answer rays.
 
+use crate::render::Camera;
 use crate::trace::{Hit, Ray};
 
 /// A way to answer rays that start in the air: enfilade's own, or another library's.
@@ -19,6 +20,18 @@ pub trait Way: Sync {
     /// The normal of what was met, of unit length, on either side; `None` if the way does not tell. Not a part of what is timed.
     fn normal(&self, hit: &Hit) -> Option<[f64; 3]> {
         (hit.normal != [0.0; 3]).then_some(hit.normal)
+    }
+
+    /// Makes the picture of a camera, so many pixels wide and high, as a whole; `None` if the way only answers rays. Returns how many pixels it left to
+    /// rays.
+    fn picture(&self, camera: &Camera, size: (u32, u32)) -> Option<u64> {
+        let _ = (camera, size);
+        None
+    }
+
+    /// What the rays of such a picture, `width` pixels wide, meet by what it shows. Not a part of what is timed.
+    fn shown(&self, camera: &Camera, width: u32, hits: &mut [Hit]) {
+        let _ = (camera, width, hits);
     }
 
     /// Whether it shares rays among threads by itself.

@@ -11,7 +11,7 @@ use crate::beam::SKY_COLOR;
 use crate::beam::kernels::{Cover, Flat, Tint, put};
 use crate::beam::rows::{Arena, Region};
 use crate::beam::shade::{Canvas, SKY, SOURCE};
-use crate::beam::walk::{Paint, Seen};
+use crate::beam::walk::{Paint, Seen, Triangles};
 use crate::beam::wide::{ALL, WIDE, Wide};
 use crate::trace::NONE;
 
@@ -188,9 +188,8 @@ impl Band<'_, '_, '_> {
         let [wide, high] = [0, 1].map(|axis| size[axis] > grain[axis]);
         let across = wide && (!high || reach[0] * 2.0 >= reach[1]);
         let down = high && (!wide || reach[1] * 2.0 >= reach[0]);
-        let middle = |axis: usize| {
-            packet.from[axis] + (size[axis] / 2 + grain[axis] - 1) / grain[axis] * grain[axis]
-        };
+        let middle =
+            |axis: usize| packet.from[axis] + (size[axis] / 2 + grain[axis] - 1) / grain[axis] * grain[axis];
         let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
         let (x, y) = (if across { middle(0) } else { x1 }, if down { middle(1) } else { y1 });
         let stack = &mut *self.stack;
@@ -309,16 +308,21 @@ impl Band<'_, '_, '_> {
     /// Draws the triangles of all cells that packets came to.
     #[inline(never)]
     fn draw(&mut self) {
-        let Band { tree, canvas, arena, waiting, .. } = self;
+        let Band { shot, tree, canvas, arena, waiting, .. } = self;
         let top = canvas.cover.top;
         for area in waiting.all() {
             let within = &tree.details[area.detail as usize];
+            let triangles = match within.root {
+                NONE => Triangles::Outer(shot.outer),
+                root => Triangles::Below(root),
+            };
+            let exits = &tree.exits[within.exits.clone()];
             area.draw(|first, parts| {
                 let there = || parts.iter().filter(|part| part[0] < part[1]);
                 let lo = there().map(|part| part[0]).min().unwrap_or(0);
                 let hi = there().map(|part| part[1]).max().unwrap_or(0);
                 let region = arena.begin_with([lo, hi], top + first as i32, parts.iter().copied());
-                canvas.detail(arena, &region, within.root, &tree.exits[within.exits.clone()]);
+                canvas.detail(arena, &region, (within.cell, triangles), exits);
             });
         }
     }
@@ -328,7 +332,7 @@ impl Band<'_, '_, '_> {
     fn rough(&mut self, packet: &Packet, bits: Option<u64>, rough: u32) {
         let region = self.region(packet, bits);
         let rough = &self.tree.rough[rough as usize];
-        let seen = Seen::Face { source: rough.source, plane: rough.plane, is_plain: false };
+        let seen = Seen::Face { source: rough.source, plane: rough.plane, is_plain: false, cell: rough.cell };
         self.canvas.paint(self.arena, &region, &seen);
     }
 

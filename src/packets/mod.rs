@@ -10,7 +10,10 @@ mod tests;
 mod tree;
 mod waiting;
 
+use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
+
+use glam::DVec3;
 
 pub(crate) use band::Band;
 use band::{LARGEST, Packet};
@@ -21,16 +24,17 @@ use waiting::Waiting;
 use crate::beam::check::{UNWRITTEN, compare};
 use crate::beam::detail::Detail;
 use crate::beam::kernels::{Cover, Kernels};
+use crate::beam::outer::Outer;
 use crate::beam::parting::Partings;
 use crate::beam::rays::Rays;
 use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
 use crate::beam::wide::WIDE;
-use crate::beam::{Differences, SKY_COLOR, cell_of_eye, holds_all, simd};
+use crate::beam::{Differences, SKY_COLOR, simd, stand};
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Kernel, NONE, Prisms};
+use crate::trace::{Kernel, Prisms};
 
 /// What a picture took. Of its pixels each is told by a packet as a whole, apart from others in a leaf, or by a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,18 +57,22 @@ pub struct PacketCounts {
     pub rays: u64,
 }
 
-/// Makes pictures of one scene, with what it needs kept from one to the next.
-pub struct Packets<'a> {
-    scene: &'a Scene,
+/// Makes pictures of one scene, of which it has a reference, or an [`Arc`](std::sync::Arc), with what it needs kept from one to the next.
+pub struct Packets<S> {
+    scene: S,
+    kept: Kept,
+    /// Pictures made.
+    shots: u64,
+}
+
+/// What is kept from picture to picture.
+struct Kept {
     kernels: Kernels,
     partings: Partings,
     looks: Looks,
     /// Not in use.
     works: Mutex<Vec<Work>>,
-    /// Pictures made.
-    shots: u64,
-    /// Whether there is nothing around the prisms.
-    is_whole: bool,
+    outer: Outer,
 }
 
 /// What a thread needs for a band.
@@ -83,23 +91,23 @@ struct Work {
     counts: PacketCounts,
 }
 
-impl<'a> Packets<'a> {
+impl<S: Deref<Target = Scene>> Packets<S> {
     /// For pictures of this scene.
-    pub fn new(scene: &'a Scene) -> Packets<'a> {
-        Packets {
-            scene,
+    pub fn new(scene: S) -> Packets<S> {
+        let kept = Kept {
             kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
             partings: Partings::new(scene.tables.cells.len()),
             looks: Looks::new(&scene.tables),
             works: Mutex::new(Vec::new()),
-            shots: 0,
-            is_whole: scene.tables.cells.len() > 1 && holds_all(scene),
-        }
+            outer: Outer::new(&scene),
+        };
+        Packets { scene, kept, shots: 0 }
     }
 
     /// The same by this kernel.
-    pub fn with_kernel(self, kernel: Kernel) -> Packets<'a> {
-        Packets { kernels: Kernels(kernel), ..self }
+    pub fn with_kernel(mut self, kernel: Kernel) -> Packets<S> {
+        self.kept.kernels = Kernels(kernel);
+        self
     }
 
     /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: as
@@ -125,7 +133,7 @@ impl<'a> Packets<'a> {
     pub fn differences(&mut self, camera: &Camera, width: u32, height: u32) -> Differences {
         let mut pixels = vec![UNWRITTEN; width as usize * height as usize];
         self.surfaces(camera, width, &mut pixels);
-        compare(self.scene, camera, width, &pixels)
+        compare(&self.scene, camera, width, &pixels)
     }
 
     fn show(&mut self, camera: &Camera, width: u32, pixels: &mut [u32], show: Show) -> PacketCounts {
@@ -136,8 +144,10 @@ impl<'a> Packets<'a> {
         self.shots += 1;
         let tables = &self.scene.tables;
         let prisms = Prisms::new(tables);
-        let screen = Screen::new(&camera.pinhole(width, height), &prisms);
-        let start = cell_of_eye(self.scene, camera);
+        let stand = stand(&self.scene, camera);
+        let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
+        let kept = &self.kept;
         let shot = Shot {
             number: self.shots,
             tables,
@@ -145,28 +155,30 @@ impl<'a> Packets<'a> {
             internal: screen.internal(&prisms),
             square: square(&screen),
             screen,
-            kernels: self.kernels,
-            partings: &self.partings,
-            looks: &self.looks,
+            kernels: kept.kernels,
+            partings: &kept.partings,
+            looks: &kept.looks,
             width,
             show,
             start,
-            around: if self.is_whole && start != Some(0) { NONE } else { tables.cells[0].root },
+            outer: &kept.outer,
         };
-        self.bands(&shot, pixels);
+        kept.bands(&shot, pixels);
         let (mut counts, mut unsure) = (PacketCounts::default(), Vec::new());
-        for work in self.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
+        for work in self.kept.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
             counts.add(&std::mem::take(&mut work.counts));
             unsure.append(&mut work.unsure);
         }
         counts.rays = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         if show == Show::Light {
-            let rays = Rays { scene: self.scene, camera, looks: &self.looks, width, height, start };
+            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, start };
             rays.shade(&unsure, pixels, SKY_COLOR);
         }
         counts
     }
+}
 
+impl Kept {
     /// Makes all rows, by bands.
     fn bands(&self, shot: &Shot<'_>, pixels: &mut [u32]) {
         let size = LARGEST as usize * shot.width as usize;
@@ -182,7 +194,7 @@ impl<'a> Packets<'a> {
     fn band(&self, shot: &Shot<'_>, index: usize, pixels: &mut [u32]) {
         let works = || self.works.lock().unwrap_or_else(PoisonError::into_inner);
         let work = works().pop();
-        let mut work = work.unwrap_or_else(|| Work::new(self.scene.tables.cells.len()));
+        let mut work = work.unwrap_or_else(|| Work::new(shot.prisms.cells.len()));
         work.band(shot, index as i32 * LARGEST, pixels);
         works().push(work);
     }

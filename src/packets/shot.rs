@@ -1,7 +1,8 @@
 //! A picture under way: what is the same for all its packets.
 
 use crate::beam::kernels::Kernels;
-use crate::beam::parting::Partings;
+use crate::beam::outer::Outer;
+use crate::beam::parting::{By, Partings};
 use crate::beam::screen::{Plane, Screen};
 use crate::beam::shade::{Looks, Shading};
 use crate::format::Views;
@@ -36,11 +37,19 @@ pub(super) struct Shot<'s> {
     pub(super) show: Show,
     /// The cell of the eye; none in a solid.
     pub(super) start: Option<u32>,
-    /// The root of what lies around the prisms; or none.
-    pub(super) around: u32,
+    /// What lies around the prisms.
+    pub(super) outer: &'s Outer,
 }
 
 impl Shot<'_> {
+    /// The plane that splits a surface.
+    pub(super) fn splitting(&self, by: By) -> Plane {
+        match by {
+            By::Upright([a, b]) => self.screen.upright(a, b),
+            By::Level(plane) => self.screen.level(self.prisms.plane(plane), 1.0),
+        }
+    }
+
     /// How a source of faces looks in a plane.
     pub(super) fn shading(&self, source: u32, plane: &Plane) -> Shading {
         let first = self.tables.sources[source as usize].first;

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::band::LARGEST;
 use super::waiting::Waiting;
 use super::{PacketCounts, Packets};
+use crate::Scene;
 use crate::beam::check::{UNWRITTEN, compare};
 use crate::beam::tests::{SIZE, scene, scenes, total, touching_views, views};
 use crate::beam::{Beams, Differences};
@@ -12,7 +13,7 @@ use crate::generate::{HouseOptions, OfficeOptions, build1, house};
 use crate::render::Camera;
 use crate::trace::Kernel;
 
-fn sum(packets: &mut Packets<'_>, views: &[Camera]) -> Differences {
+fn sum(packets: &mut Packets<&Scene>, views: &[Camera]) -> Differences {
     let [width, height] = SIZE;
     total(views, |camera| packets.differences(camera, width, height))
 }
@@ -34,7 +35,9 @@ fn eyes_in_planes_and_on_corners() {
     for (name, scene) in scenes().into_iter().take(6) {
         let sum = sum(&mut Packets::new(&scene), &touching_views(&scene));
         assert_eq!(sum.unwritten, 0, "{name}");
-        assert!(sum.wrong.len() as u64 * 5_000 <= sum.pixels, "{name}: {:?}", &sum.wrong[..3]);
+        let wrong: Vec<_> = sum.wrong.iter().take(3).collect();
+        // As of beams.
+        assert!(sum.wrong.len() as u64 * 50_000 <= sum.pixels, "{name}: {} {wrong:?}", sum.wrong.len());
     }
 }
 

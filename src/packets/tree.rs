@@ -8,7 +8,7 @@ use super::shot::Shot;
 use crate::beam::parting::Part;
 use crate::beam::screen::Plane;
 use crate::beam::shade::Shading;
-use crate::beam::walk::corner;
+use crate::beam::walk::{self as beam, corner};
 use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::NONE;
 
@@ -44,12 +44,15 @@ pub(super) struct Face {
 
 /// A face that has to be asked for its triangles.
 pub(super) struct Rough {
+    pub(super) cell: u32,
     pub(super) source: u32,
     pub(super) plane: Plane,
 }
 
-/// Triangles in a cell.
+/// Triangles in a cell, or around the prisms.
 pub(super) struct Within {
+    pub(super) cell: u32,
+    /// Their root; none of those around the prisms.
     pub(super) root: u32,
     /// Which of the exits are the planes of the cell.
     pub(super) exits: std::ops::Range<usize>,
@@ -104,13 +107,19 @@ impl Tree {
         self.details.clear();
         self.exits.clear();
         self.nodes.extend([Node::Unsure, Node::Sky]);
-        if shot.around != NONE {
-            self.details.push(Within { root: shot.around, exits: 0..0 });
+        let around = match shot.start {
+            // From outside all triangles are asked.
+            Some(beam::AROUND) => Some(shot.prisms.cells[beam::AROUND as usize].root),
+            _ if shot.outer.0.is_empty() => None,
+            _ => Some(NONE),
+        };
+        if let Some(root) = around {
+            self.details.push(Within { cell: beam::AROUND, root, exits: 0..0 });
             self.nodes[AROUND as usize] = Node::Detail { detail: 0, next: 2 };
             self.nodes.push(Node::Sky);
         }
         match shot.start {
-            Some(cell) if shot.prisms.cells[cell as usize].kind == CellRecord::AROUND => AROUND,
+            Some(beam::AROUND) => AROUND,
             Some(cell) => self.push(Node::Unknown { from: NONE, to: cell }),
             None => UNSURE,
         }
@@ -174,7 +183,7 @@ impl Tree {
             root => {
                 let first = self.exits.len();
                 self.exits.extend(planes.iter().chain(&ends));
-                self.details.push(Within { root, exits: first..self.exits.len() });
+                self.details.push(Within { cell: index, root, exits: first..self.exits.len() });
                 self.push(Node::Detail { detail: self.details.len() as u32 - 1, next })
             }
         };
@@ -278,8 +287,8 @@ impl Tree {
                 let place = self.leave(shot, cell, &plane, To::cover(&covers[cover as usize]));
                 self.nodes[place as usize]
             }
-            Part::Split { line: [a, b], right, left } => {
-                let line = shot.screen.upright(a, b).beyond_at(&plane).0;
+            Part::Split { by, right, left } => {
+                let line = shot.splitting(by).beyond_at(&plane).0;
                 let sides = [right, left].map(|at| self.push(Node::Part { cell, end, at }));
                 Node::Line { line, sides }
             }
@@ -292,7 +301,7 @@ impl Tree {
         match beyond.kind {
             CellRecord::SOLID if to.source != NONE && beyond.flags & CellRecord::HIDDEN == 0 => {
                 if !to.is_plain {
-                    self.rough.push(Rough { source: to.source, plane: *plane });
+                    self.rough.push(Rough { cell, source: to.source, plane: *plane });
                     return self.push(Node::Rough(self.rough.len() as u32 - 1));
                 }
                 self.faces.push(Face { source: to.source, shading: shot.shading(to.source, plane) });

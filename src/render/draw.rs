@@ -8,6 +8,7 @@ use super::camera::{Camera, Pinhole};
 use super::color::{ColorMode, IN_SOLID, SKY, linear, ramp};
 use super::picture::{Picture, Pixel};
 use super::shade::shade;
+use crate::beam::{Beams, Told};
 use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray, Start, Starts, Want};
 
@@ -93,12 +94,19 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     }
     let count = u64::from(width) * u64::from(height);
     // The ramp of depth and cost sorts a number per pixel.
-    Budget::new(&options.limits).take_items(count, size_of::<Pixel>() + size_of::<f32>(), "the picture")?;
+    // Beams tell two numbers per pixel.
+    let item = size_of::<Pixel>() + size_of::<f32>() + 2 * size_of::<u32>();
+    Budget::new(&options.limits).take_items(count, item, "the picture")?;
     let blank = Pixel::new(&crate::trace::Hit::ESCAPED);
     let mut pixels = vec![blank; count as usize];
 
     let place = scene.locate(camera.eye());
+    options.watch.check()?;
+    // Steps are those of rays, and in solids there are no beams.
+    let by_beams = options.color != ColorMode::Cost && !matches!(place, Place::InSolid(_));
+    let told = by_beams.then(|| Beams::new(scene).tell(camera, width, height).0);
     let job = Job {
+        told,
         scene,
         pinhole: camera.pinhole(width, height),
         options,
@@ -123,6 +131,8 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
 
 /// One picture under way.
 struct Job<'a> {
+    /// What beams tell of the pixels.
+    told: Option<Told>,
     scene: &'a Scene,
     pinhole: Pinhole,
     options: &'a RenderOptions,
@@ -185,7 +195,30 @@ impl Job<'_> {
             _ => want,
         };
         tile.hits.resize(tile.rays.len(), Hit::ESCAPED);
-        self.scene.trace_many_of(self.starts, &tile.rays, &mut tile.hits, want);
+        match &self.told {
+            None => self.scene.trace_many_of(self.starts, &tile.rays, &mut tile.hits, want),
+            Some(told) => self.by_beams(told, tile, want),
+        }
+    }
+
+    /// The same by what beams tell, and by rays where they do not.
+    fn by_beams(&self, told: &Told, tile: &mut Tile, want: Want) {
+        let (mut missing, mut rays) = (Vec::new(), Vec::new());
+        for (place, (&[x, y], ray)) in tile.places.iter().zip(&tile.rays).enumerate() {
+            let index = y as usize * self.options.width as usize + x as usize;
+            match told.hit(self.scene, index, ray, want) {
+                Some(hit) => tile.hits[place] = hit,
+                None => {
+                    missing.push(place);
+                    rays.push(*ray);
+                }
+            }
+        }
+        let mut hits = vec![Hit::ESCAPED; rays.len()];
+        self.scene.trace_many_of(self.starts, &rays, &mut hits, want);
+        for (place, hit) in missing.into_iter().zip(hits) {
+            tile.hits[place] = hit;
+        }
     }
 
     fn pixel(&self, [x, y]: [u32; 2], tile: &Tile, index: usize) -> Pixel {

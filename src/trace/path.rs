@@ -328,7 +328,7 @@ impl<'a> Prisms<'a> {
     }
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
-    fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
+    pub(crate) fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
         let over = |plane: u32, up: f64| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
             (point.z - p * point.x - q * point.y - height) * up / (1.0 + p * p + q * q).sqrt()
@@ -338,7 +338,7 @@ impl<'a> Prisms<'a> {
 
     /// The prism of air that holds `point` (from the lattice's origin) or is nearest to it, and no farther than `margin`;
     /// else one of matter.
-    pub(super) fn place(&self, point: DVec3, margin: f64) -> Option<u32> {
+    pub(crate) fn place(&self, point: DVec3, margin: f64) -> Option<u32> {
         if !self.hold(point) {
             return None;
         }

@@ -8,6 +8,8 @@ use super::cost::{Cost, Costs};
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::path::Prisms;
+#[cfg(feature = "render")]
+use super::plate::plate_of;
 use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
@@ -174,6 +176,35 @@ impl Scene {
             return Hit { t, ..Hit::ESCAPED };
         }
         self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source: NONE }, want)
+    }
+
+    /// What a ray meets that leaves a cell of air first through a face with this source, which is plain; `None` if that cannot be told by its plane.
+    #[cfg(feature = "render")]
+    pub(crate) fn hit_on_source(&self, ray: &Ray, cell: u32, source: u32, want: Want) -> Option<Hit> {
+        let triangle = self.tables.plates.get(source as usize)?.triangle;
+        if triangle == NONE { None } else { self.hit_on_plane(ray, cell, (triangle, source), want) }
+    }
+
+    /// What a ray meets that comes first, in a cell, to the plane of a triangle, which is of a source or of none; `None` if it runs along it.
+    #[cfg(feature = "render")]
+    pub(crate) fn hit_on_plane(
+        &self,
+        ray: &Ray,
+        cell: u32,
+        (triangle, source): (u32, u32),
+        want: Want,
+    ) -> Option<Hit> {
+        /// A ray that comes to a plane with less than this sine is not told by it.
+        const FLAT: f64 = 1e-6;
+        let direction = unit(DVec3::from(ray.direction))?;
+        let plate = plate_of(&self.tables.triangles, &self.tables.vertices, triangle);
+        let normal = DVec3::from(plate.normal);
+        let sine = normal.dot(direction);
+        let t = (plate.offset - normal.dot(DVec3::from(ray.origin))) / sine;
+        if sine.abs() < FLAT || !(t >= ray.tmin && t <= ray.tmax) {
+            return None;
+        }
+        Some(self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source }, want))
     }
 
     /// What the quick way found, as a record.

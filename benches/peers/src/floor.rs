@@ -30,7 +30,8 @@ pub fn measure(size: usize, repeat: usize) -> Floor {
     Floor { shading, fill }
 }
 
-fn shade(picture: &mut [u32], size: usize) {
+/// Shades the plane over a picture `size` pixels wide.
+pub fn shade(picture: &mut [u32], size: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx512f") {

@@ -3,6 +3,7 @@
 //! ```sh
 //! cargo run --release -p enfilade-peers -- --frozen house,build2
 //! EMBREE_LIB=/path/to/libembree4.so.4 cargo run --release -p enfilade-peers -- house.glb --markdown table.md --plot plot.svg
+//! cargo run --release -p enfilade-peers -- --pictures --frozen house,build2    # whole pictures, by beams
 //! ```
 //!
 //! One thread. Every way has its rays in the layout that it likes best before the clock runs, and writes distance and triangle
@@ -14,6 +15,7 @@ mod embree;
 mod errors;
 mod floor;
 mod own;
+mod pictures;
 mod report;
 mod run;
 mod scenes;
@@ -48,6 +50,15 @@ struct Arguments {
     /// Instead of times alone, time beside error of all ways on the frames, by exact arithmetic.
     #[arg(long)]
     errors: bool,
+    /// Instead of rays, whole pictures: beams, Embree's packets of coherent rays for the same pixels, and shading alone.
+    #[arg(long, conflicts_with_all = ["errors", "ways", "plot"])]
+    pictures: bool,
+    /// Pictures from inside a scene at most; with `--pictures`.
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    views: usize,
+    /// Width and height of pictures, pixels, a multiple of four; with `--pictures`.
+    #[arg(long, value_name = "SIZE", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
+    picture_size: u32,
     /// Where to write the table as Markdown.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
@@ -91,6 +102,26 @@ fn errors(arguments: &Arguments, embree: Option<&Arc<embree::Embree>>) -> anyhow
     Ok(())
 }
 
+/// Whole pictures, scene by scene.
+fn pictures(arguments: &Arguments, embree: Option<&Arc<embree::Embree>>) -> anyhow::Result<()> {
+    let mut report = pictures::Report::new(arguments, embree.map(|embree| &**embree));
+    print!("{}", report.head());
+    for scene in scenes::scenes(arguments)? {
+        let views = pictures::run(&scene?, embree, arguments)?;
+        let rows = pictures::rows(&views);
+        print!("{}", pictures::lines(&rows));
+        report.rows.extend(rows);
+        report.views.extend(views);
+    }
+    if let Some(path) = &arguments.markdown {
+        std::fs::write(path, report.markdown())?;
+    }
+    if let Some(path) = &arguments.json {
+        std::fs::write(path, serde_json::to_string_pretty(&report)?)?;
+    }
+    Ok(())
+}
+
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
     // Frames and batches run on this thread alone; what builds scenes and hierarchies may use all.
@@ -103,6 +134,9 @@ fn main() -> anyhow::Result<()> {
     };
     if arguments.errors {
         return errors(&arguments, embree.as_ref());
+    }
+    if arguments.pictures {
+        return pictures(&arguments, embree.as_ref());
     }
     let floor = floor::measure(1024, 99);
     let mut table = report::Report::new(&arguments, embree.as_deref(), floor);

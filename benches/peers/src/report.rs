@@ -28,7 +28,7 @@ pub struct Report {
 }
 
 /// The processor, as the system names it.
-fn machine() -> String {
+pub fn machine() -> String {
     let about = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = about.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or("a processor");
     let name = name.trim_start_matches(['\t', ' ', ':']).to_owned();

@@ -159,8 +159,11 @@ pub fn error(
         let mut times = vec![Vec::new(); ways.len()];
         for _ in 0..options.repeat.max(1) {
             for (i, way) in ways.iter().enumerate() {
-                times[i].push(timed.seconds(*way, &rays, &mut hits[i]));
+                times[i].push(timed.seconds(*way, (camera, options.size), &rays, &mut hits[i]));
             }
+        }
+        for (way, hits) in ways.iter().zip(&mut hits) {
+            way.shown(camera, width, hits);
         }
         for (first, block) in rays.chunks(BLOCK).enumerate() {
             let exact = crate::parallel::map(block.len(), |ray| truth.first(&block[ray]));
