@@ -21,6 +21,9 @@ pub(super) const LARGEST: i32 = 128;
 /// Rows of a packet that is not split any more; it has no more than [`WIDE`] columns.
 const ROWS: usize = 4;
 
+/// Columns and rows of a packet that is not split any more.
+const GRAIN: [i32; 2] = [WIDE as i32, ROWS as i32];
+
 /// Packets that come through more cells end in doubt: only files made to be slow do that.
 const MOST_CELLS: u32 = 1 << 12;
 
@@ -79,7 +82,7 @@ impl Packet {
 
     fn is_leaf(&self) -> bool {
         let [columns, rows] = self.size();
-        columns <= WIDE as i32 && rows <= ROWS as i32
+        columns <= GRAIN[0] && rows <= GRAIN[1]
     }
 
     /// All pixels of one that is split no more.
@@ -141,7 +144,7 @@ impl Band<'_, '_, '_> {
                     } else if packet.is_leaf() {
                         return self.leaf::<W>(&packet);
                     } else {
-                        return self.split(&packet, reach);
+                        return self.split::<W>(&packet, reach, [-(v * y + w) / u, -(u * x + w) / v]);
                     }
                 }
                 Node::Cell { from, to, next } => {
@@ -179,19 +182,30 @@ impl Band<'_, '_, '_> {
         }
     }
 
-    /// Splits a packet whose corners are on two sides of a line, which in half its width and height grows by `reach`: in two across the axis along which
-    /// it grows by far the most, else in four.
+    /// Splits a packet whose corners are on two sides of a line, which in half its width and height grows by `reach`, and which crosses the packet's
+    /// middle row and column at `at`. Where the line runs mostly along one axis, the packet is split in two, near it; else in four.
     #[inline(always)]
-    fn split(&mut self, packet: &Packet, reach: [f64; 2]) {
+    fn split<W: Wide>(&mut self, packet: &Packet, reach: [f64; 2], at: [f64; 2]) {
         self.counts.splits += 1;
-        let (size, grain) = (packet.size(), [WIDE as i32, ROWS as i32]);
-        let [wide, high] = [0, 1].map(|axis| size[axis] > grain[axis]);
+        let size = packet.size();
+        let [wide, high] = [0, 1].map(|axis| size[axis] > GRAIN[axis]);
+        if (!wide && reach[1] <= reach[0]) || (!high && reach[0] <= reach[1]) {
+            // Lengthwise through a strip: few of its parts would be whole.
+            return self.leaves::<W>(packet);
+        }
         let across = wide && (!high || reach[0] * 2.0 >= reach[1]);
         let down = high && (!wide || reach[1] * 2.0 >= reach[0]);
-        let middle =
-            |axis: usize| packet.from[axis] + (size[axis] / 2 + grain[axis] - 1) / grain[axis] * grain[axis];
+        let cut = |axis: usize| {
+            let (grain, from) = (GRAIN[axis], packet.from[axis]);
+            if across && down {
+                return from + (size[axis] / 2 + grain - 1) / grain * grain;
+            }
+            // No less than one grain from either end; what is no number is 0.
+            let parts = ((at[axis] - f64::from(from)) / f64::from(grain)) as i32;
+            from + parts.clamp(1, (size[axis] - 1) / grain) * grain
+        };
         let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
-        let (x, y) = (if across { middle(0) } else { x1 }, if down { middle(1) } else { y1 });
+        let (x, y) = (if across { cut(0) } else { x1 }, if down { cut(1) } else { y1 });
         let stack = &mut *self.stack;
         let mut push = |from: [i32; 2], to: [i32; 2]| stack.push(Packet { from, to, ..*packet });
         if across && down {
@@ -204,6 +218,19 @@ impl Band<'_, '_, '_> {
             push([x, y0], [x1, y]);
         }
         push([x0, y0], [x, y]);
+    }
+
+    /// Splits a packet at once into the smallest.
+    #[inline(always)]
+    fn leaves<W: Wide>(&mut self, packet: &Packet) {
+        let (from, to) = (packet.from, packet.to);
+        for y in (from[1]..to[1]).step_by(ROWS) {
+            for x in (from[0]..to[0]).step_by(WIDE) {
+                let to = [(x + GRAIN[0]).min(to[0]), (y + GRAIN[1]).min(to[1])];
+                self.counts.packets += 1;
+                self.leaf::<W>(&Packet { from: [x, y], to, ..*packet });
+            }
+        }
     }
 
     /// Tells pixel by pixel what a packet that is split no more shows.
