@@ -150,7 +150,7 @@ impl Band<'_, '_, '_> {
                 Node::Cell { from, to, next } => {
                     self.counts.cells += 1;
                     if !packet.way.enter(from, to, next) {
-                        return self.doubt(&packet);
+                        return self.doubt(&packet, None);
                     }
                 }
                 Node::Detail { detail, next } => {
@@ -177,7 +177,7 @@ impl Band<'_, '_, '_> {
                     let tint = self.around(packet.edge());
                     return all::<W>(&mut self.canvas.cover, &packet, &tint);
                 }
-                Node::Unsure => return self.doubt(&packet),
+                Node::Unsure => return self.doubt(&packet, None),
             }
         }
     }
@@ -265,7 +265,7 @@ impl Band<'_, '_, '_> {
                         if lot.way.enter(from, to, next) {
                             continue;
                         }
-                        self.doubt_some(packet, lot.bits);
+                        self.doubt(packet, Some(lot.bits));
                     }
                     Node::Detail { detail, next } => {
                         self.detail(packet, Some(lot.bits), detail);
@@ -296,7 +296,7 @@ impl Band<'_, '_, '_> {
                         let tint = self.around(1);
                         some::<W>(&mut self.canvas.cover, packet.from, lot.bits, &tint);
                     }
-                    Node::Unsure => self.doubt_some(packet, lot.bits),
+                    Node::Unsure => self.doubt(packet, Some(lot.bits)),
                 }
                 break;
             }
@@ -363,17 +363,10 @@ impl Band<'_, '_, '_> {
         self.canvas.paint(self.arena, &region, &seen);
     }
 
-    /// Leaves a packet to rays.
+    /// Leaves a packet, or some pixels of a leaf, to rays.
     #[inline(never)]
-    fn doubt(&mut self, packet: &Packet) {
-        let region = self.region(packet, None);
-        self.canvas.paint(self.arena, &region, &Seen::Unsure);
-    }
-
-    /// Leaves some pixels of a leaf to rays.
-    #[inline(never)]
-    fn doubt_some(&mut self, packet: &Packet, bits: u64) {
-        let region = self.region(packet, Some(bits));
+    fn doubt(&mut self, packet: &Packet, bits: Option<u64>) {
+        let region = self.region(packet, bits);
         self.canvas.paint(self.arena, &region, &Seen::Unsure);
     }
 }
@@ -419,7 +412,7 @@ fn all<W: Wide>(cover: &mut Cover<'_>, packet: &Packet, tint: &impl Tint) {
         let line = &mut cover.pixels[below * cover.width..(below + 1) * cover.width];
         let same = tint.row(row as f32);
         let mut columns = first;
-        if !cover.rows[below] && x1 as usize % WIDE == 0 {
+        if !cover.rows[below] && (x1 as usize).is_multiple_of(WIDE) {
             let (whole, _) = line[x0 as usize..x1 as usize].as_chunks_mut::<WIDE>();
             for block in whole {
                 W::put_all(tint.pixels(same, columns), block);
