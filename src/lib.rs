@@ -81,6 +81,8 @@ pub mod lattice;
 mod mask;
 #[cfg(feature = "compile")]
 pub mod oracle;
+#[cfg(feature = "render")]
+pub mod packets;
 mod parallel;
 #[cfg(feature = "compile")]
 pub mod partition;

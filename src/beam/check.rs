@@ -16,7 +16,7 @@ const TIE: f64 = 1e-2;
 const TOUCH: f64 = 1e-8;
 
 /// The number of a pixel that nothing was written to.
-const UNWRITTEN: u32 = u32::MAX - 2;
+pub(crate) const UNWRITTEN: u32 = u32::MAX - 2;
 
 /// How a picture by beams differs from that by rays.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
 }
 
 /// What a picture of surfaces, so many pixels wide, differs in from what rays meet.
-pub(super) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]) -> Differences {
+pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]) -> Differences {
     let height = pixels.len() as u32 / width;
     let pinhole = camera.pinhole(width, height);
     let rays: Vec<Ray> =

@@ -26,7 +26,7 @@ const ROUNDED: f64 = 1e-6;
 const FRONT: f64 = 1e-6;
 
 /// The triangles of a scene as a picture sees them.
-pub(super) struct Detail<'a> {
+pub(crate) struct Detail<'a> {
     tables: &'a Views,
     /// Along the internal frame's axes.
     pub(super) screen: Screen,
@@ -38,7 +38,7 @@ pub(super) struct Detail<'a> {
 }
 
 /// A triangle, ready to be drawn.
-pub(super) struct Drawn {
+pub(crate) struct Drawn {
     pub(super) triangle: u32,
     /// The rows that it may reach.
     pub(super) rows: [i32; 2],
@@ -56,7 +56,7 @@ impl Drawn {
 }
 
 impl<'a> Detail<'a> {
-    pub(super) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
+    pub(crate) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
         let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
         let eye = (screen.eye - DVec3::from(tables.scene[0].center)).as_vec3();
         Detail { tables, screen, camera, eye, stack: Vec::new() }

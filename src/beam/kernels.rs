@@ -9,7 +9,7 @@ use crate::trace::Kernel;
 
 /// What the CPU has.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kernels(pub(super) Kernel);
+pub(crate) struct Kernels(pub(crate) Kernel);
 
 impl Kernels {
     /// The border in each row from the `first` on: the first column that is not left of a line, held between the row's own borders. The line is at `start`
@@ -52,7 +52,7 @@ impl Kernels {
 }
 
 /// What the pixels of one surface become.
-pub(super) trait Tint {
+pub(crate) trait Tint {
     /// What is the same for all pixels of a row.
     fn row(&self, y: f32) -> [f32; 2];
 
@@ -61,7 +61,7 @@ pub(super) trait Tint {
 }
 
 /// All pixels become the same.
-pub(super) struct Flat(pub(super) u32);
+pub(crate) struct Flat(pub(crate) u32);
 
 impl Tint for Flat {
     #[inline(always)]
@@ -182,27 +182,27 @@ impl Deep {
 const NEARER: f32 = 1.0 + 4e-7;
 
 /// Rows of a picture being made, each from left to right in blocks of [`WIDE`] pixels, of which the last may not be whole.
-pub(super) struct Cover<'a> {
-    pub(super) width: usize,
+pub(crate) struct Cover<'a> {
+    pub(crate) width: usize,
     /// The first row.
-    pub(super) top: i32,
-    pub(super) pixels: &'a mut [u32],
+    pub(crate) top: i32,
+    pub(crate) pixels: &'a mut [u32],
     /// `1 / t` of the detail that each pixel shows, 0 where it shows none, by block; holds only where that shows any.
-    pub(super) near: &'a mut [[f32; WIDE]],
+    pub(crate) near: &'a mut [[f32; WIDE]],
     /// Whether each block shows any detail.
-    pub(super) touched: &'a mut [bool],
+    pub(crate) touched: &'a mut [bool],
     /// Whether each row does.
-    pub(super) rows: &'a mut [bool],
+    pub(crate) rows: &'a mut [bool],
 }
 
 impl Cover<'_> {
     /// Blocks in a row.
-    pub(super) fn blocks(width: usize) -> usize {
+    pub(crate) fn blocks(width: usize) -> usize {
         width.div_ceil(WIDE)
     }
 
     /// Whether detail is seen in a pixel.
-    pub(super) fn is_taken(&self, row: i32, column: i32) -> bool {
+    pub(crate) fn is_taken(&self, row: i32, column: i32) -> bool {
         let block = (row - self.top) as usize * Cover::blocks(self.width) + column as usize / WIDE;
         self.touched[block] && self.near[block][column as usize % WIDE] != 0.0
     }
@@ -218,7 +218,7 @@ fn between(block: usize, lo: i32, hi: i32) -> u32 {
 
 /// Writes pixels of one block of a row.
 #[inline(always)]
-fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
+pub(crate) fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
     let from = block * WIDE;
     if let Some(pixels) = line.get_mut(from..from + WIDE).and_then(|part| part.as_mut_array::<WIDE>()) {
         if mask == ALL {

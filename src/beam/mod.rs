@@ -7,22 +7,22 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-mod check;
-mod detail;
+pub(crate) mod check;
+pub(crate) mod detail;
 mod hull;
-mod kernels;
-mod outer;
-mod parting;
-mod rays;
-mod rows;
-mod screen;
-mod shade;
-mod simd;
+pub(crate) mod kernels;
+pub(crate) mod outer;
+pub(crate) mod parting;
+pub(crate) mod rays;
+pub(crate) mod rows;
+pub(crate) mod screen;
+pub(crate) mod shade;
+pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
-mod tests;
+pub(crate) mod tests;
 mod told;
-mod walk;
-mod wide;
+pub(crate) mod walk;
+pub(crate) mod wide;
 
 use std::ops::{AddAssign, Deref};
 use std::sync::{Mutex, PoisonError};
@@ -54,7 +54,7 @@ const BAND: usize = 256;
 const CLEAR: f64 = 1e-8;
 
 /// The colour of what lies around.
-const SKY_COLOR: u32 = 0xfff5_ddc8;
+pub(crate) const SKY_COLOR: u32 = 0xfff5_ddc8;
 
 /// What a picture took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -169,7 +169,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         }
         let (told, counts) = self.tell(camera, width, height);
         let pinhole = camera.pinhole(width, height);
-        let starts = self.stand(camera).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
+        let starts =
+            stand(&self.scene, camera, self.last).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
         let (mut rays, mut missing) = (Vec::new(), Vec::new());
         for (index, hit) in hits.iter_mut().enumerate() {
             let ray = pinhole.ray(index as u32 % width, index as u32 / width);
@@ -204,7 +205,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             return BeamCounts::default();
         }
         let prisms = Prisms::new(&self.scene.tables);
-        let stand = self.stand(camera);
+        let stand = stand(&self.scene, camera, self.last);
         let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
         self.last = start.unwrap_or(NONE);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
@@ -224,42 +225,43 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         }
         counts
     }
+}
 
-    /// The cell of the eye, and where it is moved to, so that it is in no plane: not out of that cell. Where it is in a solid, every pixel is left to rays.
-    fn stand(&self, camera: &Camera) -> Option<(u32, DVec3)> {
-        let near = self.scene.free_cell_near(camera.eye(), self.last);
-        let cell = near.or_else(|| match self.scene.locate(camera.eye()) {
-            Place::Air { cell, .. } => Some(cell),
-            Place::Outside => Some(AROUND),
-            Place::InSolid(_) => None,
-        })?;
-        let prisms = Prisms::new(&self.scene.tables);
-        let (eye, cells) = (prisms.local(DVec3::from(camera.eye())), prisms.cells);
-        let is_clear = || {
-            let record = &cells[cell as usize];
-            record.kind == CellRecord::AIR && prisms.outside(record, eye) < -CLEAR
-        };
-        if cell == AROUND || is_clear() {
-            return Some((cell, DVec3::ONE));
-        }
-        // On a border. Of the eight parts of the space around, one of the air from which the matter in the others is as far as can be: so that what looks
-        // past an edge, or a corner, sees past it.
-        let sign = |part: u32, axis: u32| if part >> axis & 1 == 0 { 1.0 } else { -1.0 };
-        let signs = |part: u32| DVec3::new(sign(part, 0), sign(part, 1), sign(part, 2));
-        let places: Vec<Option<u32>> = (0..8)
-            .map(|part| {
-                let cell = prisms.place(eye + ASIDE * signs(part), 0.0)?;
-                (cells[cell as usize].kind == CellRecord::AIR).then_some(cell)
-            })
-            .collect();
-        let parts = || (0..8u32).zip(&places);
-        let away = |part: u32| -> u32 {
-            parts().filter(|(_, place)| place.is_none()).map(|(other, _)| (part ^ other).count_ones()).sum()
-        };
-        let air = parts().filter_map(|(part, place)| place.map(|cell| (part, cell)));
-        let best = air.max_by_key(|&(part, _)| (away(part), std::cmp::Reverse(part)));
-        Some(best.map_or((cell, DVec3::ONE), |(part, cell)| (cell, signs(part))))
+/// The cell of the eye, and where it is moved to, so that it is in no plane: not out of that cell. Where it is in a solid, every pixel is left to rays.
+/// It is perhaps in the cell `last`.
+pub(crate) fn stand(scene: &Scene, camera: &Camera, last: u32) -> Option<(u32, DVec3)> {
+    let near = scene.free_cell_near(camera.eye(), last);
+    let cell = near.or_else(|| match scene.locate(camera.eye()) {
+        Place::Air { cell, .. } => Some(cell),
+        Place::Outside => Some(AROUND),
+        Place::InSolid(_) => None,
+    })?;
+    let prisms = Prisms::new(&scene.tables);
+    let (eye, cells) = (prisms.local(DVec3::from(camera.eye())), prisms.cells);
+    let is_clear = || {
+        let record = &cells[cell as usize];
+        record.kind == CellRecord::AIR && prisms.outside(record, eye) < -CLEAR
+    };
+    if cell == AROUND || is_clear() {
+        return Some((cell, DVec3::ONE));
     }
+    // On a border. Of the eight parts of the space around, one of the air from which the matter in the others is as far as can be: so that what looks
+    // past an edge, or a corner, sees past it.
+    let sign = |part: u32, axis: u32| if part >> axis & 1 == 0 { 1.0 } else { -1.0 };
+    let signs = |part: u32| DVec3::new(sign(part, 0), sign(part, 1), sign(part, 2));
+    let places: Vec<Option<u32>> = (0..8)
+        .map(|part| {
+            let cell = prisms.place(eye + ASIDE * signs(part), 0.0)?;
+            (cells[cell as usize].kind == CellRecord::AIR).then_some(cell)
+        })
+        .collect();
+    let parts = || (0..8u32).zip(&places);
+    let away = |part: u32| -> u32 {
+        parts().filter(|(_, place)| place.is_none()).map(|(other, _)| (part ^ other).count_ones()).sum()
+    };
+    let air = parts().filter_map(|(part, place)| place.map(|cell| (part, cell)));
+    let best = air.max_by_key(|&(part, _)| (away(part), std::cmp::Reverse(part)));
+    Some(best.map_or((cell, DVec3::ONE), |(part, cell)| (cell, signs(part))))
 }
 
 impl Shot<'_> {

@@ -9,18 +9,18 @@ use crate::trace::Prisms;
 const TOGETHER: usize = 16;
 
 /// Some triangles, and the box around them relative to the scene's center, rounded outward.
-pub(super) struct Group {
+pub(crate) struct Group {
     pub(super) lo: Vec3,
     pub(super) hi: Vec3,
     pub(super) triangles: Vec<u32>,
 }
 
 /// The triangles that reach out of the zone of the prisms.
-pub(super) struct Outer(pub(super) Vec<Group>);
+pub(crate) struct Outer(pub(crate) Vec<Group>);
 
 impl Outer {
     /// Those of a scene, found by looking at all.
-    pub(super) fn new(scene: &Scene) -> Outer {
+    pub(crate) fn new(scene: &Scene) -> Outer {
         let tables = &scene.tables;
         let prisms = Prisms::new(tables);
         let is_out = |vertex: &[f64; 3]| !prisms.hold(prisms.local(DVec3::from(*vertex)));

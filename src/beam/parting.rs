@@ -25,7 +25,7 @@ const MOST_PAIRS: usize = 1 << 22;
 
 /// What a surface is split by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum By {
+pub(crate) enum By {
     /// The upright plane through two points of the plan.
     Upright([DVec2; 2]),
     /// This one of the planes.
@@ -34,7 +34,7 @@ pub(super) enum By {
 
 /// A part of a floor or a ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Part {
+pub(crate) enum Part {
     /// Split; the parts on the right of a line, or over a plane, and on the left, or below, as places in the tree.
     Split { by: By, right: u32, left: u32 },
     /// This one of the covers.
@@ -44,18 +44,18 @@ pub(super) enum Part {
 }
 
 /// The trees of all floors and ceilings.
-pub(super) struct Partings {
+pub(crate) struct Partings {
     ends: Vec<OnceLock<Box<[Part]>>>,
 }
 
 impl Partings {
     /// Of so many cells.
-    pub(super) fn new(cells: usize) -> Partings {
+    pub(crate) fn new(cells: usize) -> Partings {
         Partings { ends: (0..2 * cells).map(|_| OnceLock::new()).collect() }
     }
 
     /// The tree of a cell's floor, or ceiling, which these cover, its root last.
-    pub(super) fn of(
+    pub(crate) fn of(
         &self,
         cell: u32,
         is_ceiling: bool,
@@ -71,7 +71,7 @@ impl Partings {
 }
 
 /// The tree that tells the footprints of some cells apart, which do not overlap; its root last.
-pub(super) fn plan_tree(prisms: &Prisms<'_>, cells: &[u32]) -> Box<[Part]> {
+pub(crate) fn plan_tree(prisms: &Prisms<'_>, cells: &[u32]) -> Box<[Part]> {
     if cells.is_empty() { [].into() } else { Planting::new(prisms, cells).tree() }
 }
 

@@ -14,19 +14,19 @@ const IN_SOLID: u32 = 0xff80_8080;
 const TOGETHER: usize = 4096;
 
 /// The rays of a picture.
-pub(super) struct Rays<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) camera: &'a Camera,
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) looks: &'a Looks,
+pub(crate) struct Rays<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) looks: &'a Looks,
     /// The cell of the eye, if that is in the air.
-    pub(super) start: Option<u32>,
+    pub(crate) start: Option<u32>,
 }
 
 impl Rays<'_> {
     /// Shades parts of rows, each a row and from where up to where.
-    pub(super) fn shade(&self, parts: &[[i32; 3]], pixels: &mut [u32], sky: u32) {
+    pub(crate) fn shade(&self, parts: &[[i32; 3]], pixels: &mut [u32], sky: u32) {
         let pinhole = self.camera.pinhole(self.width, self.height);
         let places = parts.iter().flat_map(|&[row, lo, hi]| (lo..hi).map(move |column| [column, row]));
         let mut places = places.peekable();

@@ -8,11 +8,11 @@ use super::wide::ROWS;
 
 /// A straight line of the picture, `u x + v y + w = 0` in columns and rows; its positive side is where that is no less than 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line(pub(super) [f64; 3]);
+pub(crate) struct Line(pub(crate) [f64; 3]);
 
 /// A part of a picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Region {
+pub(crate) struct Region {
     /// First row, and the row after the last.
     pub(super) rows: [i32; 2],
     /// No pixel is left of the first of these columns, none at or right of the second.
@@ -31,14 +31,14 @@ impl Region {
 }
 
 /// The borders of regions, those of a later region after those of an earlier one, and some more rows, so that eight from any on can be read.
-pub(super) struct Arena {
+pub(crate) struct Arena {
     columns: Vec<i32>,
     /// The first row of the band.
     first: i32,
 }
 
 impl Arena {
-    pub(super) fn new() -> Arena {
+    pub(crate) fn new() -> Arena {
         Arena { columns: vec![0; ROWS], first: 0 }
     }
 
@@ -51,6 +51,25 @@ impl Arena {
         self.columns.resize(2 * count, width);
         self.columns.resize(2 * count + ROWS, 0);
         Region { rows: [first, end], columns: [0, width], lo: 0, hi: count }
+    }
+
+    /// Begins anew with the region of the rows from the `first` on that holds in each the pixels from one column up to another, and none left or
+    /// right of `columns`.
+    pub(crate) fn begin_with(
+        &mut self,
+        columns: [i32; 2],
+        first: i32,
+        borders: impl ExactSizeIterator<Item = [i32; 2]>,
+    ) -> Region {
+        self.first = first;
+        let count = borders.len();
+        self.columns.clear();
+        self.columns.resize(2 * count + ROWS, 0);
+        let (lo, hi) = self.columns.split_at_mut(count);
+        for ((lo, hi), border) in lo.iter_mut().zip(hi).zip(borders) {
+            [*lo, *hi] = border;
+        }
+        Region { rows: [first, first + count as i32], columns, lo: 0, hi: count }
     }
 
     /// How much of it is in use.

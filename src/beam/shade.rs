@@ -15,18 +15,18 @@ const HEADLIGHT: f32 = 0.9;
 
 /// What of a plane's pixels is the same for all of them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shading {
+pub(crate) struct Shading {
     /// How the plane's distance grows along the ray through a pixel, for a normal of unit length: with column, row, and in the first.
-    pub(super) grows: [f32; 3],
+    pub(crate) grows: [f32; 3],
     /// The square of the ray's size: alone, with the column, with the row, with the square of the row, of the column.
-    pub(super) square: [f32; 5],
+    pub(crate) square: [f32; 5],
     /// Red, green and blue where the plane faces the eye, at most 255.
-    pub(super) color: [f32; 3],
+    pub(crate) color: [f32; 3],
 }
 
 /// What pixels become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Show {
+pub(crate) enum Show {
     /// Colours.
     Light,
     /// Numbers of what they show, see [`Surface`](super::Surface).
@@ -36,49 +36,49 @@ pub(super) enum Show {
 }
 
 /// The bit of the number of what pixels show that says: a source of faces, by its number; else a triangle.
-pub(super) const SOURCE: u32 = 1 << 31;
+pub(crate) const SOURCE: u32 = 1 << 31;
 /// The number of what lies around.
-pub(super) const SKY: u32 = u32::MAX;
+pub(crate) const SKY: u32 = u32::MAX;
 /// The number of what cells do not tell.
-pub(super) const UNSURE: u32 = u32::MAX - 1;
+pub(crate) const UNSURE: u32 = u32::MAX - 1;
 
 /// Some rows of a picture being painted.
-pub(super) struct Canvas<'a, 'd> {
-    pub(super) tables: &'a Views,
-    pub(super) kernels: Kernels,
-    pub(super) show: Show,
-    pub(super) cover: Cover<'a>,
-    pub(super) looks: &'a Looks,
-    pub(super) square: [f32; 5],
-    pub(super) sky: u32,
+pub(crate) struct Canvas<'a, 'd> {
+    pub(crate) tables: &'a Views,
+    pub(crate) kernels: Kernels,
+    pub(crate) show: Show,
+    pub(crate) cover: Cover<'a>,
+    pub(crate) looks: &'a Looks,
+    pub(crate) square: [f32; 5],
+    pub(crate) sky: u32,
     /// Parts of rows that rays must tell: the row, and from where up to where.
-    pub(super) unsure: &'a mut Vec<[i32; 3]>,
-    pub(super) detail: &'a mut Detail<'d>,
+    pub(crate) unsure: &'a mut Vec<[i32; 3]>,
+    pub(crate) detail: &'a mut Detail<'d>,
     /// Triangles drawn.
-    pub(super) triangles: u64,
+    pub(crate) triangles: u64,
     /// Parts of rows.
-    pub(super) spans: u64,
+    pub(crate) spans: u64,
 }
 
 /// The colours of materials that face the lamp: red, green and blue, at most 255 each.
-pub(super) struct Looks(Vec<[f32; 3]>);
+pub(crate) struct Looks(Vec<[f32; 3]>);
 
 impl Looks {
-    pub(super) fn new(tables: &Views) -> Looks {
+    pub(crate) fn new(tables: &Views) -> Looks {
         let look = |color: [f32; 3]| color.map(|c| 255.0 * to_srgb(c.clamp(0.0, 1.0)) * HEADLIGHT.sqrt());
         let looks = tables.materials.iter().map(|material| look(material.base_color));
         Looks(looks.chain([look([1.0; 3])]).collect())
     }
 
     /// That of a triangle.
-    pub(super) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
+    pub(crate) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
         let material = tables.record(triangle).material as usize;
         self.0[material.min(self.0.len() - 1)]
     }
 }
 
 /// The square of the size of a ray, as [`Shading::square`].
-pub(super) fn square(screen: &Screen) -> [f32; 5] {
+pub(crate) fn square(screen: &Screen) -> [f32; 5] {
     let (first, across, down) = (screen.first, screen.across, screen.down);
     let square = [
         first.length_squared(),

@@ -1,10 +1,11 @@
 //! The loops of `kernels`, compiled for what the CPU has.
 #![allow(unsafe_code)]
 
-use super::kernels::{self, Cover, Deep, Tint};
+use super::kernels::{self, Cover, Deep, Kernels, Tint};
 use super::wide::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
+use crate::packets::Band;
 use crate::trace::Kernel;
 
 /// The loops, compiled for sixteen pixels of this kind, with these features of the CPU.
@@ -45,6 +46,11 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::kernels::Cover<'_>, first: i32) -> bool {
             super::kernels::is_taken::<$wide>(borders, cover, first)
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn packets(band: &mut crate::packets::Band<'_, '_, '_>) {
+            band.run::<$wide>();
         }
 
         #[cfg(test)]
@@ -111,6 +117,20 @@ pub(super) fn draw<T: Tint>(
 #[inline]
 pub(super) fn is_taken(kernel: Kernel, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
     by_kernel!(kernel, is_taken, <>, (borders, cover, first))
+}
+
+/// Makes a band of rows by packets.
+pub(crate) fn packets(kernels: Kernels, band: &mut Band<'_, '_, '_>) {
+    #[cfg(target_arch = "x86_64")]
+    match kernels.0.extensions() {
+        // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
+        [_, true] => return unsafe { avx512::packets(band) },
+        // SAFETY: as above.
+        [true, _] => return unsafe { avx2::packets(band) },
+        _ => {}
+    }
+    let _ = kernels;
+    band.run::<Portable>();
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

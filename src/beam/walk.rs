@@ -13,18 +13,18 @@ use super::parting::{By, Part, Partings};
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, PLAIN, PlaneRecord, SideRecord};
+use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::{NONE, Prisms};
 
 /// Beams that are split more often end in doubt: only files made to be slow do that.
 const MOST_TASKS: usize = 1 << 22;
 
 /// The cell around the prisms.
-pub(super) const AROUND: u32 = 0;
+pub(crate) const AROUND: u32 = 0;
 
 /// What a region of a picture shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Seen {
+pub(crate) enum Seen {
     /// A wall, floor or ceiling of a cell: what it is by its number among the sources, whether
     /// that fills it, in one plane, and the cell of air before it.
     Face { source: u32, plane: Plane, is_plain: bool, cell: u32 },
@@ -36,7 +36,7 @@ pub(super) enum Seen {
 
 /// Some triangles.
 #[derive(Clone, Copy)]
-pub(super) enum Triangles<'a> {
+pub(crate) enum Triangles<'a> {
     /// All below a root.
     Below(u32),
     /// Those around the prisms.
@@ -44,7 +44,7 @@ pub(super) enum Triangles<'a> {
 }
 
 /// What becomes of the parts of a picture.
-pub(super) trait Paint {
+pub(crate) trait Paint {
     /// Takes a region: no pixel comes twice, and each of the picture comes once.
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen);
 
@@ -159,17 +159,12 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     /// The floor (`up` is -1) or ceiling (1) of a cell.
     fn level(&self, plane: u32, up: f64) -> Plane {
-        let PlaneRecord { slope: [p, q], height } = self.prisms.plane(plane);
-        let eye = self.screen.eye;
-        let over = eye.z - p * eye.x - q * eye.y - height;
-        self.screen.plane(DVec3::new(-p, -q, 1.0) * up, over * up)
+        self.screen.level(self.prisms.plane(plane), up)
     }
 
     /// The upright plane over a side, which goes from `a` to `b`.
     fn upright(&self, a: DVec2, b: DVec2) -> Plane {
-        let (edge, eye) = (b - a, self.screen.eye.truncate());
-        let normal = DVec2::new(edge.y, -edge.x);
-        self.screen.plane(normal.extend(0.0), normal.dot(eye - a))
+        self.screen.upright(a, b)
     }
 
     /// What the rays of a region meet around the prisms. No triangle within is met by them, or they would not have come there.
@@ -298,8 +293,7 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     /// The line through the eye's place in the plan and a corner: rays to the left of it, seen from above, are on its positive side.
     fn past(&self, corner: DVec2) -> (DVec2, Line) {
-        let way = corner - self.screen.eye.truncate();
-        (way, Line(self.screen.along(DVec3::new(-way.y, way.x, 0.0))))
+        self.screen.past(corner)
     }
 
     /// The eye is over the footprint, below or in it: a plane through the first corner halves what can be seen, and on each half the sides follow
@@ -472,6 +466,6 @@ struct In<'a> {
     ends: [Plane; 2],
 }
 
-pub(super) fn corner(side: &SideRecord) -> DVec2 {
+pub(crate) fn corner(side: &SideRecord) -> DVec2 {
     DVec2::from(side.start.map(f64::from))
 }

@@ -2,16 +2,16 @@
 //! instruction sets.
 
 /// Pixels side by side.
-pub(super) const WIDE: usize = 16;
+pub(crate) const WIDE: usize = 16;
 
 /// All of them, pixel i as bit i.
-pub(super) const ALL: u32 = 0xffff;
+pub(crate) const ALL: u32 = 0xffff;
 
 /// Rows side by side.
-pub(super) const ROWS: usize = 8;
+pub(crate) const ROWS: usize = 8;
 
 /// A number for each of sixteen pixels.
-pub(super) trait Wide: Copy {
+pub(crate) trait Wide: Copy {
     /// A column for each of eight rows.
     type Columns: Columns;
     /// Thirty-two bits for each of sixteen pixels.
@@ -49,7 +49,7 @@ pub(super) trait Wide: Copy {
 }
 
 /// A column for each of eight rows.
-pub(super) trait Columns: Copy {
+pub(crate) trait Columns: Copy {
     /// Where a line passes each of eight rows, in columns.
     type Lines: Lines<Columns = Self>;
     fn load(from: &[i32; ROWS]) -> Self;
@@ -61,7 +61,7 @@ pub(super) trait Columns: Copy {
 }
 
 /// Where a line passes each of eight rows, in columns. The same bits on every instruction set.
-pub(super) trait Lines: Copy {
+pub(crate) trait Lines: Copy {
     type Columns;
     /// The line at `start` in row 0 which goes by `slope` a row, in the rows from the `first` on. Both are finite.
     fn new(slope: f64, start: f64, first: i32) -> Self;
@@ -74,17 +74,17 @@ pub(super) trait Lines: Copy {
 }
 
 /// The farthest column, left and right, that a border may have.
-pub(super) const FARTHEST: f64 = 1e9;
+pub(crate) const FARTHEST: f64 = 1e9;
 
 /// For any CPU.
 #[derive(Clone, Copy)]
-pub(super) struct Portable([f32; WIDE]);
+pub(crate) struct Portable([f32; WIDE]);
 
 /// Adding this to a small number that is not negative leaves it, rounded, in the lowest bits.
-pub(super) const MAGIC: f32 = 8_388_608.0;
+pub(crate) const MAGIC: f32 = 8_388_608.0;
 
 /// What is opaque.
-pub(super) const OPAQUE: u32 = 0xff00_0000;
+pub(crate) const OPAQUE: u32 = 0xff00_0000;
 
 /// Of each number what `f` makes of its place. Written out, since `array::from_fn` is a function by itself, in which nothing is done side by side.
 macro_rules! each {
@@ -175,7 +175,7 @@ impl Wide for Portable {
 
 /// For any CPU.
 #[derive(Clone, Copy)]
-pub(super) struct PortableColumns([i32; ROWS]);
+pub(crate) struct PortableColumns([i32; ROWS]);
 
 impl Columns for PortableColumns {
     type Lines = PortableLines;
@@ -204,7 +204,7 @@ impl Columns for PortableColumns {
 
 /// For any CPU.
 #[derive(Clone, Copy)]
-pub(super) struct PortableLines([f64; ROWS]);
+pub(crate) struct PortableLines([f64; ROWS]);
 
 impl Lines for PortableLines {
     type Columns = PortableColumns;
@@ -240,7 +240,7 @@ impl Lines for PortableLines {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn some(numbers: impl Fn(usize) -> f32) -> [f32; WIDE] {
