@@ -220,7 +220,7 @@ fn between(block: usize, lo: i32, hi: i32) -> u32 {
 #[inline(always)]
 pub(crate) fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
     let from = block * WIDE;
-    if let Some(pixels) = line.get_mut(from..from + WIDE).and_then(|part| part.as_mut_array::<WIDE>()) {
+    if let Some(pixels) = line.get_mut(from..).and_then(|part| part.first_chunk_mut::<WIDE>()) {
         if mask == ALL {
             W::put_all(words, pixels);
         } else {

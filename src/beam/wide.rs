@@ -226,6 +226,8 @@ impl Lines for PortableLines {
             right.0[i] = if is_left && line < right.0[i] { line } else { right.0[i] };
         }
     }
+    // Of what is no number the least: as the instructions have it.
+    #[allow(clippy::manual_clamp)]
     #[inline(always)]
     fn not_left(self) -> PortableColumns {
         /// Adding and taking off this rounds to the nearest whole number; its last bits, as an integer, are those of the number added.

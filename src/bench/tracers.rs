@@ -35,7 +35,7 @@ enum Kind {
     Narrow(Kernel, Arc<Scene>),
     Batch(Arc<Scene>),
     /// Whole pictures; of rays by themselves a batch.
-    Beams(Arc<Scene>, Mutex<Painter>),
+    Beams(Arc<Scene>, Box<Mutex<Painter>>),
     Truth(Arc<Truth>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
@@ -168,7 +168,7 @@ impl Tracer {
             Kind::Batch(Arc::clone(scene))
         } else if let Some(kernel) = name.strip_prefix(BEAMS) {
             let beams = Beams::new(Arc::clone(scene)).with_kernel(Kernel::by_name(kernel)?);
-            Kind::Beams(Arc::clone(scene), Mutex::new(Painter { beams, pixels: Vec::new() }))
+            Kind::Beams(Arc::clone(scene), Box::new(Mutex::new(Painter { beams, pixels: Vec::new() })))
         } else if let Some(kernel) = name.strip_prefix("enfilade-") {
             Kind::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {

@@ -199,7 +199,7 @@ fn walks_are_timed_and_written() {
     // Without way-points it goes through the rooms.
     let all = folder.run(&["walk", "house.enf", "--size", "16x16", "--json"]).expect(0).json();
     assert!(all["frames"].as_u64().unwrap() > 100);
-    walk(&["--speed", "0"]).expect_failure(2, &["more than 0"]);
+    folder.run(&["walk", "house.enf", "--speed", "0"]).expect_failure(2, &["more than 0"]);
     walk(&["--kernel", "neon"]).expect_failure(2, &["portable"]);
 }
 

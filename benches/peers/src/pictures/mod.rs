@@ -86,7 +86,7 @@ fn seconds(work: impl FnOnce()) -> f64 {
 /// All ways on one scene, with what they keep from one picture to the next.
 struct Ways<'a> {
     scene: &'a Scene,
-    beams: Vec<(&'static str, Beams<'a>)>,
+    beams: Vec<(&'static str, Beams<&'a Scene>)>,
     /// None without Embree.
     peers: Vec<Sixteen>,
     /// What is painted, and how many pixels wide and high it is.
