@@ -168,25 +168,9 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             return BeamCounts::default();
         }
         let (told, counts) = self.tell(camera, width, height);
-        let pinhole = camera.pinhole(width, height);
         let starts =
             stand(&self.scene, camera, self.last).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
-        let (mut rays, mut missing) = (Vec::new(), Vec::new());
-        for (index, hit) in hits.iter_mut().enumerate() {
-            let ray = pinhole.ray(index as u32 % width, index as u32 / width);
-            match told.hit(&self.scene, index, &ray, want) {
-                Some(told) => *hit = told,
-                None => {
-                    rays.push(ray);
-                    missing.push(index);
-                }
-            }
-        }
-        let mut traced = vec![Hit::ESCAPED; rays.len()];
-        self.scene.trace_many_of(starts, &rays, &mut traced, want);
-        for (index, hit) in missing.into_iter().zip(traced) {
-            hits[index] = hit;
-        }
+        told.hits(&self.scene, camera, width, (want, starts), hits);
         counts
     }
 

@@ -18,6 +18,7 @@ use super::way::Way;
 use crate::beam::Beams;
 use crate::compile::{CompileError, CompileOptions, compile};
 use crate::oracle::Truth;
+use crate::packets::Packets;
 use crate::partition::Convexification;
 use crate::render::Camera;
 use crate::scene::Scene;
@@ -35,16 +36,22 @@ enum Kind {
     Narrow(Kernel, Arc<Scene>),
     Batch(Arc<Scene>),
     /// Whole pictures; of rays by themselves a batch.
-    Beams(Arc<Scene>, Box<Mutex<Painter>>),
+    Pictures(Arc<Scene>, Box<Mutex<Painter>>),
     Truth(Arc<Truth>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
 }
 
-/// Beams, and a picture that is painted again and again.
+/// What makes pictures, and a picture that is painted again and again.
 struct Painter {
-    beams: Beams<Arc<Scene>>,
+    maker: Maker,
     pixels: Vec<u32>,
+}
+
+/// What makes pictures.
+enum Maker {
+    Beams(Beams<Arc<Scene>>),
+    Packets(Packets<Arc<Scene>>),
 }
 
 /// The scene's triangles in f32, relative to the middle of the hull.
@@ -107,7 +114,7 @@ pub fn names() -> Vec<String> {
         Kernel::available().into_iter().map(move |kernel| format!("{prefix}{}", kernel.name()))
     };
     let others = ["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
-    kernels("enfilade-").chain(kernels(BEAMS)).chain(others).collect()
+    kernels("enfilade-").chain(kernels(BEAMS)).chain(kernels(PACKETS)).chain(others).collect()
 }
 
 /// Ways that need the model, besides [`names`].
@@ -115,6 +122,8 @@ const OF_MODELS: [&str; 4] = [F32_RAYS, NO_CELLS, DIAGONALS, TRUTH];
 
 /// What names of ways that make pictures by beams begin with.
 const BEAMS: &str = "enfilade-beams-";
+/// The same by packets.
+const PACKETS: &str = "enfilade-packets-";
 const F32_RAYS: &str = "enfilade-f32-rays";
 const NO_CELLS: &str = "enfilade-no-cells";
 const DIAGONALS: &str = "enfilade-diagonals";
@@ -130,6 +139,12 @@ pub fn error_names() -> Vec<String> {
 pub(super) fn narrow(ray: &Ray) -> Ray {
     let round = |c: f64| f64::from(c as f32);
     Ray::segment(ray.origin.map(round), ray.direction.map(round), round(ray.tmin), round(ray.tmax))
+}
+
+impl Kind {
+    fn pictures(scene: &Arc<Scene>, maker: Maker) -> Kind {
+        Kind::Pictures(Arc::clone(scene), Box::new(Mutex::new(Painter { maker, pixels: Vec::new() })))
+    }
 }
 
 impl Tracer {
@@ -167,8 +182,11 @@ impl Tracer {
         let kind = if name == "enfilade-batch" {
             Kind::Batch(Arc::clone(scene))
         } else if let Some(kernel) = name.strip_prefix(BEAMS) {
-            let beams = Beams::new(Arc::clone(scene)).with_kernel(Kernel::by_name(kernel)?);
-            Kind::Beams(Arc::clone(scene), Box::new(Mutex::new(Painter { beams, pixels: Vec::new() })))
+            let kernel = Kernel::by_name(kernel)?;
+            Kind::pictures(scene, Maker::Beams(Beams::new(Arc::clone(scene)).with_kernel(kernel)))
+        } else if let Some(kernel) = name.strip_prefix(PACKETS) {
+            let kernel = Kernel::by_name(kernel)?;
+            Kind::pictures(scene, Maker::Packets(Packets::new(Arc::clone(scene)).with_kernel(kernel)))
         } else if let Some(kernel) = name.strip_prefix("enfilade-") {
             Kind::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {
@@ -193,7 +211,7 @@ impl Tracer {
 
     /// Whether it makes whole pictures.
     pub(super) fn paints(&self) -> bool {
-        matches!(self.kind, Kind::Beams(..))
+        matches!(self.kind, Kind::Pictures(..))
     }
 
     /// Rays each of which starts where the last one did, or not, as a caller would ask who knows that.
@@ -230,7 +248,7 @@ impl Way for Tracer {
             Kind::Narrow(kernel, scene) => {
                 Tracer::trace_one_by_one(*kernel, scene, rays.iter().map(narrow), hits)
             }
-            Kind::Batch(scene) | Kind::Beams(scene, _) => scene.trace_many(rays, hits, Want::LEAST),
+            Kind::Batch(scene) | Kind::Pictures(scene, _) => scene.trace_many(rays, hits, Want::LEAST),
             Kind::Truth(truth) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = truth.nearest(ray).map_or(Hit::ESCAPED, |nearest| Hit {
@@ -263,7 +281,7 @@ impl Way for Tracer {
         match &self.kind {
             Kind::Kernel(kernel, scene) => one_by_one(*kernel, scene, hits, |ray| *ray),
             Kind::Narrow(kernel, scene) => one_by_one(*kernel, scene, hits, narrow),
-            Kind::Batch(scene) | Kind::Beams(scene, _) => {
+            Kind::Batch(scene) | Kind::Pictures(scene, _) => {
                 scene.trace_many_of(Starts::Hits(from), rays, hits, Want::LEAST);
             }
             _ => self.trace(rays, hits),
@@ -281,21 +299,31 @@ impl Way for Tracer {
     }
 
     fn picture(&self, camera: &Camera, (width, height): (u32, u32)) -> Option<u64> {
-        let Kind::Beams(_, painter) = &self.kind else { return None };
+        let Kind::Pictures(_, painter) = &self.kind else { return None };
         let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
-        let Painter { beams, pixels } = &mut *painter;
+        let Painter { maker, pixels } = &mut *painter;
         pixels.resize(width as usize * height as usize, 0);
-        Some(beams.paint(camera, width, pixels).unsure)
+        Some(match maker {
+            Maker::Beams(beams) => beams.paint(camera, width, pixels).unsure,
+            Maker::Packets(packets) => packets.paint(camera, width, pixels).rays,
+        })
     }
 
     fn shown(&self, camera: &Camera, width: u32, hits: &mut [Hit]) {
-        if let Kind::Beams(_, painter) = &self.kind {
+        if let Kind::Pictures(_, painter) = &self.kind {
             let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
-            painter.beams.hits(camera, width, Want::LEAST, hits);
+            match &mut painter.maker {
+                Maker::Beams(beams) => {
+                    beams.hits(camera, width, Want::LEAST, hits);
+                }
+                Maker::Packets(packets) => {
+                    packets.hits(camera, width, Want::LEAST, hits);
+                }
+            }
         }
     }
 
     fn is_batch(&self) -> bool {
-        matches!(self.kind, Kind::Batch(_) | Kind::Beams(..))
+        matches!(self.kind, Kind::Batch(_) | Kind::Pictures(..))
     }
 }

@@ -40,7 +40,7 @@ Examples:
   enfilade bench skip house.glb
   enfilade bench sources house.glb
 
-Times are medians of interleaved repeats; compare them within one run only. Ways named enfilade-beams-... make whole pictures. Ways named obvhs-... are that library
+Times are medians of interleaved repeats; compare them within one run only. Ways named enfilade-beams-... and enfilade-packets-... make whole pictures. Ways named obvhs-... are that library
 by itself on the same triangles."
 )]
 pub struct Arguments {
@@ -244,13 +244,13 @@ fn run_speed(
         );
         let _ = writeln!(
             out,
-            "{:<8} {:<23} {:>7} {:>11} {:>10} {:>10} {:>7} {:>10}",
+            "{:<8} {:<25} {:>7} {:>11} {:>10} {:>10} {:>7} {:>10}",
             "rays", "kernel", "frames", "frame ms", "ns/ray", "Mrays/s", "ratio", "differing"
         );
         for r in &report.rows {
             let _ = writeln!(
                 out,
-                "{:<8} {:<23} {:>7} {:>11.3} {:>10.1} {:>10.2} {:>7.2} {:>10}",
+                "{:<8} {:<25} {:>7} {:>11.3} {:>10.1} {:>10.2} {:>7.2} {:>10}",
                 r.rays, r.kernel, r.frames, r.frame_ms, r.ns_per_ray, r.mrays_per_s, r.ratio, r.differing
             );
         }

@@ -56,7 +56,7 @@ pub struct Arguments {
     /// A view of choice: auto in the largest room, outside of the whole, rooms two level views in each room.
     #[arg(long, value_enum, value_name = "VIEW", conflicts_with = "eye")]
     view: Option<View>,
-    /// What colours show: material, semantic, face, element, room, cell, depth, normal or cost.
+    /// What colours show: material, semantic, face, element, room, cell, depth, normal, packet (how large the packet of rays was that told each pixel) or cost.
     #[arg(long, value_name = "WHAT", default_value = "material", value_parser = parse_color)]
     color: ColorMode,
     /// Pixels.

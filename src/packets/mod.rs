@@ -30,11 +30,12 @@ use crate::beam::rays::Rays;
 use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
+use crate::beam::walk::AROUND;
 use crate::beam::wide::WIDE;
-use crate::beam::{Differences, SKY_COLOR, simd, stand};
+use crate::beam::{Differences, SKY_COLOR, Told, simd, stand};
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Kernel, NONE, Prisms};
+use crate::trace::{Hit, Kernel, NONE, Prisms, Starts, Want};
 
 /// What a picture took. Of its pixels each is told by a packet as a whole, apart from others in a leaf, or by a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -128,6 +129,20 @@ impl<S: Deref<Target = Scene>> Packets<S> {
     pub fn sizes(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> PacketCounts {
         self.show(camera, width, pixels, Show::Sizes)
     }
+
+    /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
+    /// [`Beams::hits`](crate::beam::Beams::hits) does.
+    pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> PacketCounts {
+        let mut surfaces = vec![UNWRITTEN; hits.len()];
+        let counts = self.surfaces(camera, width, &mut surfaces);
+        // In which cells rays end is looked for where they do.
+        let told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
+        told.hits(&self.scene, camera, width, (want, Starts::Anywhere), hits);
+        counts
+    }
+
+    /// The longest edge of a packet, pixels.
+    pub const LARGEST: u32 = LARGEST as u32;
 
     /// Compares the picture that `camera` takes with what the ray of each pixel meets.
     pub fn differences(&mut self, camera: &Camera, width: u32, height: u32) -> Differences {

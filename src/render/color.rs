@@ -29,18 +29,21 @@ pub enum ColorMode {
     /// The normal, in the axes of [`RenderOptions::frame`](super::RenderOptions::frame): x, y, z from -1..1 to 0..1 of
     /// red, green, blue as PNG writes them.
     Normal,
+    /// How large the packet of rays was that told the pixel, as in the paper's Fig. 11b, single pixels dark and large packets light: [`ramp`] of the
+    /// logarithm of its edge ([`Packets::sizes`](crate::packets::Packets::sizes)).
+    Packet,
     /// How many steps the tracer took, few dark and many light: [`ramp`] of [`Cost::total`](crate::Cost::total).
     Cost,
 }
 
 /// The word names no colour mode.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is none of material, semantic, face, element, room, cell, depth, normal, cost")]
+#[error("'{0}' is none of material, semantic, face, element, room, cell, depth, normal, packet, cost")]
 pub struct UnknownColorMode(pub String);
 
 impl ColorMode {
     /// All modes.
-    pub const ALL: [ColorMode; 9] = [
+    pub const ALL: [ColorMode; 10] = [
         ColorMode::Material,
         ColorMode::Semantic,
         ColorMode::Face,
@@ -49,6 +52,7 @@ impl ColorMode {
         ColorMode::Cell,
         ColorMode::Depth,
         ColorMode::Normal,
+        ColorMode::Packet,
         ColorMode::Cost,
     ];
 
@@ -63,6 +67,7 @@ impl ColorMode {
             ColorMode::Cell => "cell",
             ColorMode::Depth => "depth",
             ColorMode::Normal => "normal",
+            ColorMode::Packet => "packet",
             ColorMode::Cost => "cost",
         }
     }

@@ -9,6 +9,7 @@ use super::color::{ColorMode, IN_SOLID, SKY, linear, ramp};
 use super::picture::{Picture, Pixel};
 use super::shade::shade;
 use crate::beam::{Beams, Told};
+use crate::packets::Packets;
 use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray, Start, Starts, Want};
 
@@ -94,8 +95,8 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     }
     let count = u64::from(width) * u64::from(height);
     // The ramp of depth and cost sorts a number per pixel.
-    // Beams tell two numbers per pixel.
-    let item = size_of::<Pixel>() + size_of::<f32>() + 2 * size_of::<u32>();
+    // Beams tell two numbers per pixel, packets one.
+    let item = size_of::<Pixel>() + size_of::<f32>() + 3 * size_of::<u32>();
     Budget::new(&options.limits).take_items(count, item, "the picture")?;
     let blank = Pixel::new(&crate::trace::Hit::ESCAPED);
     let mut pixels = vec![blank; count as usize];
@@ -120,6 +121,11 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     let scale = match options.color {
         ColorMode::Depth => color_depth(&mut pixels, options.depth_range),
         ColorMode::Cost => color_cost(&mut pixels),
+        ColorMode::Packet if by_beams => {
+            let mut sizes = vec![0; pixels.len()];
+            Packets::new(scene).sizes(camera, width, &mut sizes);
+            Some(color_packets(&mut pixels, &sizes))
+        }
         _ => None,
     };
     let in_solid = match place {
@@ -275,6 +281,19 @@ fn color_depth(pixels: &mut [Pixel], range: Option<[f64; 2]>) -> Option<[f64; 2]
         pixel.color = ramp(if size > 0.0 { 1.0 - away / size } else { 1.0 });
     }
     Some([far, near])
+}
+
+/// Colours the pixels by the edges of the packets that told them; those left to rays as single pixels. Returns the ends of the ramp.
+fn color_packets(pixels: &mut [Pixel], sizes: &[u32]) -> [f64; 2] {
+    // Sizes that are no packets' are marks of pixels left to rays.
+    let size = |size: u32| if size > Packets::<&Scene>::LARGEST { 1 } else { size.max(1) };
+    let largest = sizes.iter().map(|&s| size(s)).max().unwrap_or(1);
+    let most = f64::from(largest.max(2)).log2();
+    for (pixel, &edge) in pixels.iter_mut().zip(sizes) {
+        pixel.cost = size(edge);
+        pixel.color = ramp(f64::from(pixel.cost).log2() / most);
+    }
+    [1.0, f64::from(largest)]
 }
 
 /// Colours the pixels by cost. Returns the ends of the ramp: none, and what all but one ray in a thousand stay under.

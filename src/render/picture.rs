@@ -26,7 +26,7 @@ pub struct Pixel {
     pub cell: u32,
     /// Index of the triangle, or [`NONE`].
     pub triangle: u32,
-    /// Steps that the tracer took: only counted in pictures of [`ColorMode::Cost`], else 0.
+    /// Steps that the tracer took: only counted in pictures of [`ColorMode::Cost`]; in those of [`ColorMode::Packet`] the edge of the packet, pixels; else 0.
     pub cost: u32,
 }
 
@@ -86,7 +86,7 @@ impl Picture {
     }
 
     /// What the two ends of the [`ramp`](super::ramp) stand for: in a picture of depth the far end (dark) and the
-    /// near one (light), metres; in one of cost the least and the most steps. `None` in others, and where nothing was
+    /// near one (light), metres; in one of cost the least and the most steps, of packets the smallest and the largest edge. `None` in others, and where nothing was
     /// met.
     pub fn scale(&self) -> Option<[f64; 2]> {
         self.scale

@@ -30,7 +30,7 @@ fn cosine(direction: [f64; 3], normal: [f64; 3]) -> f64 {
     DVec3::from(direction).normalize_or_zero().dot(DVec3::from(normal)).abs().min(1.0)
 }
 
-/// The colour of a hit, or of an escaped ray; depth and cost are coloured once the whole picture is known.
+/// The colour of a hit, or of an escaped ray; depth, packets and cost are coloured once the whole picture is known.
 pub(super) fn shade(scene: &Scene, ray: &Ray, hit: &Hit, mode: ColorMode, frame: &Frame) -> [f32; 3] {
     if hit.element == NONE {
         return linear(SKY);
@@ -40,7 +40,7 @@ pub(super) fn shade(scene: &Scene, ray: &Ray, hit: &Hit, mode: ColorMode, frame:
         ColorMode::Normal => {
             return frame.direction_to_source(hit.normal).map(|c| to_linear((c * 0.5 + 0.5) as f32));
         }
-        ColorMode::Depth | ColorMode::Cost => return [0.0; 3],
+        ColorMode::Depth | ColorMode::Packet | ColorMode::Cost => return [0.0; 3],
         ColorMode::Semantic => semantic_color(hit.semantic),
         ColorMode::Face => face_color(hit.semantic),
         ColorMode::Element => element_color(hit.element),

@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_void};
+use std::mem::ManuallyDrop;
 use std::sync::Arc;
 
 use anyhow::{Context, bail};
@@ -139,8 +140,8 @@ pub struct Embree {
     device: Handle,
     /// Such as `4.4`.
     pub version: String,
-    /// Unloaded last.
-    _library: Library,
+    /// Never unloaded: threads of its own may run to the end.
+    _library: ManuallyDrop<Library>,
 }
 
 // SAFETY: Embree's devices may be used from any thread.
@@ -207,7 +208,7 @@ impl Embree {
             other => bail!("{name} is Embree {other}; 3 and 4 are known"),
         };
         let version = format!("{}.{}.{}", version / 10000, version / 100 % 100, version % 100);
-        Ok(Arc::new(Embree { common, calls, device, version, _library: library }))
+        Ok(Arc::new(Embree { common, calls, device, version, _library: ManuallyDrop::new(library) }))
     }
 }
 
