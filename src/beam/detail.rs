@@ -12,6 +12,7 @@ use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use crate::format::Views;
 use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord};
+use crate::trace::NONE;
 
 /// Boxes are this much larger, metres: what f32 rounds.
 const SLACK: f32 = 1e-3;
@@ -66,7 +67,8 @@ impl<'a> Detail<'a> {
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.stack.clear();
-        self.stack.push(root);
+        // A scene may have no triangles at all.
+        self.stack.extend((root != NONE).then_some(root));
         while let Some(link) = self.stack.pop() {
             if link & Leaf::BIT == 0 {
                 let node = &self.tables.nodes[link as usize];

@@ -17,7 +17,7 @@ use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::{NONE, Prisms};
 
 /// Beams that are split more often end in doubt: only files made to be slow do that.
-const MOST_TASKS: usize = 1 << 22;
+const MOST_TASKS: usize = 1 << 18;
 
 /// The cell around the prisms.
 pub(crate) const AROUND: u32 = 0;

@@ -201,7 +201,7 @@ impl Scene {
         let normal = DVec3::from(plate.normal);
         let sine = normal.dot(direction);
         let t = (plate.offset - normal.dot(DVec3::from(ray.origin))) / sine;
-        if sine.abs() < FLAT || !(t >= ray.tmin && t <= ray.tmax) {
+        if sine.abs() < FLAT || !(t.is_finite() && t >= ray.tmin && t <= ray.tmax) {
             return None;
         }
         Some(self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source }, want))

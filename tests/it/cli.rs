@@ -199,8 +199,8 @@ fn walks_are_timed_and_written() {
     // Without way-points it goes through the rooms.
     let all = folder.run(&["walk", "house.enf", "--size", "16x16", "--json"]).expect(0).json();
     assert!(all["frames"].as_u64().unwrap() > 100);
-    folder.run(&["walk", "house.enf", "--speed", "0"]).expect_failure(2, &["more than 0"]);
-    walk(&["--kernel", "neon"]).expect_failure(2, &["portable"]);
+    folder.run(&["walk", "house.enf", "--speed", "0"]).expect(2);
+    walk(&["--kernel", "neon"]).expect(2);
 }
 
 #[test]

@@ -2,8 +2,11 @@
 
 use std::hint::black_box;
 
+use enfilade::beam::Beams;
 use enfilade::closing::{ClosingError, Stand};
 use enfilade::export::{cells_glb, faces_obj, graph_dot, graph_json};
+use enfilade::packets::Packets;
+use enfilade::render::Camera;
 use enfilade::validate::validate;
 use enfilade::{Answer, Hit, Kernel, NONE, Place, Ray, Scene, Start, Want};
 use enfilade_testing::Random;
@@ -26,9 +29,39 @@ pub fn everything(scene: &mut Scene, origin: Origin) {
     tables(scene);
     exports(scene);
     traces(scene, origin);
+    pictures(scene);
     if close(scene) {
         exports(scene);
         traces(scene, origin);
+        pictures(scene);
+    }
+}
+
+/// Pictures by beams and by packets, from anywhere.
+fn pictures(scene: &Scene) {
+    /// Columns and rows.
+    const SIZE: [u32; 2] = [24, 17];
+    let ([width, height], mut random) = (SIZE, Random::new(9));
+    let (mut beams, mut packets) = (Beams::new(scene), Packets::new(scene));
+    let mut pixels = vec![0; (width * height) as usize];
+    let mut hits = vec![Hit::ESCAPED; pixels.len()];
+    for _ in 0..4 {
+        let ray = ray(scene, &mut random);
+        let Ok(camera) = Camera::looking(ray.origin, ray.direction, [0.0, 0.0, 1.0], 75.0) else { continue };
+        for by_beams in [true, false] {
+            pixels.fill(0);
+            if by_beams {
+                beams.paint(&camera, width, &mut pixels);
+                beams.hits(&camera, width, Want::default(), &mut hits);
+            } else {
+                packets.paint(&camera, width, &mut pixels);
+                packets.hits(&camera, width, Want::default(), &mut hits);
+            }
+            assert!(pixels.iter().all(|pixel| pixel >> 24 == 0xff), "each is painted");
+            for (index, hit) in (0..).zip(&hits) {
+                record(scene, &camera.ray(index % width, index / width, width, height), hit);
+            }
+        }
     }
 }
 
