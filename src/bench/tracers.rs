@@ -36,7 +36,7 @@ enum Kind {
     Narrow(Kernel, Arc<Scene>),
     Batch(Arc<Scene>),
     /// Whole pictures; of rays by themselves a batch.
-    Pictures(Arc<Scene>, Box<Mutex<Painter>>),
+    Pictures(Arc<Scene>, Mutex<Painter>),
     Truth(Arc<Truth>),
     Bvh2(Bvh2, Rounded),
     CwBvh(CwBvh, Rounded),
@@ -50,8 +50,8 @@ struct Painter {
 
 /// What makes pictures.
 enum Maker {
-    Beams(Beams<Arc<Scene>>),
-    Packets(Packets<Arc<Scene>>),
+    Beams(Box<Beams<Arc<Scene>>>),
+    Packets(Box<Packets<Arc<Scene>>>),
 }
 
 /// The scene's triangles in f32, relative to the middle of the hull.
@@ -143,7 +143,7 @@ pub(super) fn narrow(ray: &Ray) -> Ray {
 
 impl Kind {
     fn pictures(scene: &Arc<Scene>, maker: Maker) -> Kind {
-        Kind::Pictures(Arc::clone(scene), Box::new(Mutex::new(Painter { maker, pixels: Vec::new() })))
+        Kind::Pictures(Arc::clone(scene), Mutex::new(Painter { maker, pixels: Vec::new() }))
     }
 }
 
@@ -183,10 +183,12 @@ impl Tracer {
             Kind::Batch(Arc::clone(scene))
         } else if let Some(kernel) = name.strip_prefix(BEAMS) {
             let kernel = Kernel::by_name(kernel)?;
-            Kind::pictures(scene, Maker::Beams(Beams::new(Arc::clone(scene)).with_kernel(kernel)))
+            let beams = Beams::new(Arc::clone(scene)).with_kernel(kernel);
+            Kind::pictures(scene, Maker::Beams(Box::new(beams)))
         } else if let Some(kernel) = name.strip_prefix(PACKETS) {
             let kernel = Kernel::by_name(kernel)?;
-            Kind::pictures(scene, Maker::Packets(Packets::new(Arc::clone(scene)).with_kernel(kernel)))
+            let packets = Packets::new(Arc::clone(scene)).with_kernel(kernel);
+            Kind::pictures(scene, Maker::Packets(Box::new(packets)))
         } else if let Some(kernel) = name.strip_prefix("enfilade-") {
             Kind::Kernel(Kernel::by_name(kernel)?, Arc::clone(scene))
         } else {
