@@ -71,13 +71,11 @@ impl Kernel {
     }
 
     /// Whether it may use what AVX2 has (and FMA, BMI), and what AVX-512 has.
-    #[cfg(feature = "render")]
+    #[cfg(all(feature = "render", target_arch = "x86_64"))]
     pub(crate) const fn extensions(self) -> [bool; 2] {
         match self.0 {
             Set::Portable => [false, false],
-            #[cfg(target_arch = "x86_64")]
             Set::Avx2 => [true, false],
-            #[cfg(target_arch = "x86_64")]
             Set::Avx512 => [true, true],
         }
     }
