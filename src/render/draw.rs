@@ -291,7 +291,9 @@ fn color_packets(pixels: &mut [Pixel], sizes: &[u32]) -> [f64; 2] {
     let most = f64::from(largest.max(2)).log2();
     for (pixel, &edge) in pixels.iter_mut().zip(sizes) {
         pixel.cost = size(edge);
-        pixel.color = ramp(f64::from(pixel.cost).log2() / most);
+        if !pixel.has_escaped() {
+            pixel.color = ramp(f64::from(pixel.cost).log2() / most);
+        }
     }
     [1.0, f64::from(largest)]
 }
