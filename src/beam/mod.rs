@@ -20,7 +20,7 @@ pub(crate) mod shade;
 pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
 pub(crate) mod tests;
-mod told;
+pub(crate) mod told;
 pub(crate) mod walk;
 pub(crate) mod wide;
 
@@ -170,7 +170,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let (told, counts) = self.tell(camera, width, height);
         let starts =
             stand(&self.scene, camera, self.last).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
-        told.hits(&self.scene, camera, width, (want, starts), hits);
+        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
         counts
     }
 

@@ -23,31 +23,35 @@ impl Told {
         }
     }
 
-    /// What the rays of all pixels of the picture meet, which is `width` pixels wide: as beams tell, or else by rays that start there.
+    /// What the rays of some pixels of the picture meet, each with the pixel's place in it: as beams tell, or else by rays that start there.
     pub(crate) fn hits(
         &self,
         scene: &Scene,
-        camera: &Camera,
-        width: u32,
+        pixels: impl Iterator<Item = (usize, Ray)>,
         (want, starts): (Want, Starts<'_>),
         hits: &mut [Hit],
     ) {
-        let pinhole = camera.pinhole(width, hits.len().checked_div(width as usize).unwrap_or(0) as u32);
         let (mut rays, mut missing) = (Vec::new(), Vec::new());
-        for (index, hit) in hits.iter_mut().enumerate() {
-            let ray = pinhole.ray(index as u32 % width, index as u32 / width);
+        for (at, ((index, ray), hit)) in pixels.zip(&mut *hits).enumerate() {
             match self.hit(scene, index, &ray, want) {
                 Some(told) => *hit = told,
                 None => {
                     rays.push(ray);
-                    missing.push(index);
+                    missing.push(at);
                 }
             }
         }
         let mut traced = vec![Hit::ESCAPED; rays.len()];
         scene.trace_many_of(starts, &rays, &mut traced, want);
-        for (index, hit) in missing.into_iter().zip(traced) {
-            hits[index] = hit;
+        for (at, hit) in missing.into_iter().zip(traced) {
+            hits[at] = hit;
         }
     }
+}
+
+/// All pixels of the picture that `camera` takes, so many pixels wide and high, each with its ray.
+pub(crate) fn pixels(camera: &Camera, width: u32, height: u32) -> impl Iterator<Item = (usize, Ray)> {
+    let pinhole = camera.pinhole(width, height);
+    let places = (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
+    places.map(move |(x, y)| pinhole.ray(x, y)).enumerate()
 }

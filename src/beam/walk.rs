@@ -445,14 +445,16 @@ impl<'a, P: Paint> Walker<'a, P> {
 
 /// What is beyond a part of a cell's surface.
 #[derive(Clone, Copy)]
-struct To {
-    cell: u32,
-    source: u32,
-    is_plain: bool,
+pub(crate) struct To {
+    pub(crate) cell: u32,
+    /// Between air and matter: what rays meet there, or none.
+    pub(crate) source: u32,
+    /// Whether that fills the part, in one plane.
+    pub(crate) is_plain: bool,
 }
 
 impl To {
-    fn new(cell: u32, source: u32, flags: u16) -> To {
+    pub(crate) fn new(cell: u32, source: u32, flags: u16) -> To {
         To { cell, source, is_plain: flags & PLAIN != 0 }
     }
 }

@@ -32,7 +32,7 @@ use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
 use crate::beam::walk::AROUND;
 use crate::beam::wide::WIDE;
-use crate::beam::{Differences, SKY_COLOR, Told, simd, stand};
+use crate::beam::{Differences, SKY_COLOR, Told, simd, stand, told};
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Prisms, Starts, Want};
@@ -137,7 +137,8 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         let counts = self.surfaces(camera, width, &mut surfaces);
         // In which cells rays end is looked for where they do.
         let told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
-        told.hits(&self.scene, camera, width, (want, Starts::Anywhere), hits);
+        let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
+        told.hits(&self.scene, told::pixels(camera, width, height), (want, Starts::Anywhere), hits);
         counts
     }
 

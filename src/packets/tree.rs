@@ -8,8 +8,8 @@ use super::shot::Shot;
 use crate::beam::parting::Part;
 use crate::beam::screen::Plane;
 use crate::beam::shade::Shading;
-use crate::beam::walk::{self as beam, corner};
-use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
+use crate::beam::walk::{self as beam, To, corner};
+use crate::format::records::{CellRecord, CoverRecord, SideRecord};
 use crate::trace::NONE;
 
 /// A place in the tree.
@@ -250,7 +250,7 @@ impl Tree {
         let faces = shot.prisms.faces_of(&inside.sides[side]);
         let mut node = UNSURE;
         for (index, face) in faces.iter().enumerate().rev() {
-            let to = To { cell: face.cell, source: face.source, is_plain: face.flags & PLAIN != 0 };
+            let to = To::new(face.cell, face.source, face.flags);
             let here = self.leave(shot, inside.index, plane, to);
             node = if index + 1 == faces.len() || face.top == NONE {
                 here
@@ -270,7 +270,12 @@ impl Tree {
     /// Through a floor or a ceiling, which these cover.
     fn cover(&mut self, shot: &Shot<'_>, cell: u32, end: u32, covers: &[CoverRecord]) -> u32 {
         if let [cover] = covers {
-            return self.leave(shot, cell, &self::end(shot, cell, end), To::cover(cover));
+            return self.leave(
+                shot,
+                cell,
+                &self::end(shot, cell, end),
+                To::new(cover.cell, cover.source, cover.flags),
+            );
         }
         let tree = shot.partings.of(cell, end == 1, &shot.prisms, covers);
         self.push(Node::Part { cell, end, at: tree.len() as u32 - 1 })
@@ -284,7 +289,9 @@ impl Tree {
         match shot.partings.of(cell, end == 1, &shot.prisms, covers)[at as usize] {
             Part::Unsure => Node::Unsure,
             Part::Cover(cover) => {
-                let place = self.leave(shot, cell, &plane, To::cover(&covers[cover as usize]));
+                let cover = &covers[cover as usize];
+                let to = To::new(cover.cell, cover.source, cover.flags);
+                let place = self.leave(shot, cell, &plane, to);
                 self.nodes[place as usize]
             }
             Part::Split { by, right, left } => {
@@ -314,20 +321,6 @@ impl Tree {
             CellRecord::AROUND if to.source == NONE => AROUND,
             _ => UNSURE,
         }
-    }
-}
-
-/// What is beyond a part of a cell's surface.
-#[derive(Clone, Copy)]
-struct To {
-    cell: u32,
-    source: u32,
-    is_plain: bool,
-}
-
-impl To {
-    fn cover(cover: &CoverRecord) -> To {
-        To { cell: cover.cell, source: cover.source, is_plain: cover.flags & PLAIN != 0 }
     }
 }
 

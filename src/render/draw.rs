@@ -209,22 +209,10 @@ impl Job<'_> {
 
     /// The same by what beams tell, and by rays where they do not.
     fn by_beams(&self, told: &Told, tile: &mut Tile, want: Want) {
-        let (mut missing, mut rays) = (Vec::new(), Vec::new());
-        for (place, (&[x, y], ray)) in tile.places.iter().zip(&tile.rays).enumerate() {
-            let index = y as usize * self.options.width as usize + x as usize;
-            match told.hit(self.scene, index, ray, want) {
-                Some(hit) => tile.hits[place] = hit,
-                None => {
-                    missing.push(place);
-                    rays.push(*ray);
-                }
-            }
-        }
-        let mut hits = vec![Hit::ESCAPED; rays.len()];
-        self.scene.trace_many_of(self.starts, &rays, &mut hits, want);
-        for (place, hit) in missing.into_iter().zip(hits) {
-            tile.hits[place] = hit;
-        }
+        let width = self.options.width as usize;
+        let pixels = tile.places.iter().map(|&[x, y]| y as usize * width + x as usize);
+        let pixels = pixels.zip(tile.rays.iter().copied());
+        told.hits(self.scene, pixels, (want, self.starts), &mut tile.hits);
     }
 
     fn pixel(&self, [x, y]: [u32; 2], tile: &Tile, index: usize) -> Pixel {
