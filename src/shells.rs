@@ -131,10 +131,10 @@ impl Use {
 }
 
 /// The edges of all triangles, equal ones side by side.
-struct Edges(Vec<Use>);
+pub(crate) struct Edges(Vec<Use>);
 
 impl Edges {
-    fn of(mesh: &Mesh, triangles: &[u32]) -> Edges {
+    pub(crate) fn of(mesh: &Mesh, triangles: &[u32]) -> Edges {
         let mut edges = Vec::with_capacity(3 * triangles.len());
         for (t, &index) in (0..).zip(triangles) {
             let [a, b, c] = mesh.triangles[index as usize];
@@ -146,8 +146,13 @@ impl Edges {
         Edges(edges)
     }
 
+    /// Whether each is of two triangles, which pass it in either direction.
+    pub(crate) fn are_of_two(&self) -> bool {
+        self.0.chunk_by(Use::same_edge).all(|edge| matches!(edge, [a, b] if a.is_up != b.is_up))
+    }
+
     /// The sets of triangles that are connected across edges of two triangles, each turned like its first.
-    fn patches(&self, count: usize) -> Patches {
+    pub(crate) fn patches(&self, count: usize) -> Patches {
         // Neighbours, and whether both pass the edge the same way.
         let mut neighbours = vec![Vec::new(); count];
         for edge in self.0.chunk_by(Use::same_edge) {
@@ -183,13 +188,13 @@ impl Edges {
 }
 
 /// What [`Edges::patches`] found.
-struct Patches {
+pub(crate) struct Patches {
     /// The patch of each triangle.
     of: Vec<usize>,
     /// Whether to turn each triangle.
     turned: Vec<bool>,
     /// The triangles of each patch.
-    members: Vec<Vec<u32>>,
+    pub(crate) members: Vec<Vec<u32>>,
 }
 
 impl Patches {

@@ -112,6 +112,7 @@ impl Base {
                 element: placed.element,
                 material: placed.material,
                 volume: NONE,
+                facing: 0,
             }));
         });
         tables.run_of.edit(|run_of| {

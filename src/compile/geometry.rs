@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use enfilade_importers::{Element, Model, Role, Untagged};
 
+use super::facing::facing;
 use super::outward::{Outward, turn_outward};
 use crate::components::{Component, components, rotated};
 use crate::format::Tables;
-use crate::format::records::{TriangleRecord, VolumeRecord};
+use crate::format::records::{Facing, TriangleRecord, VolumeRecord};
 use crate::roles::{asked_role, component_role};
 use crate::shells::{Inside, Shell, shells};
 use crate::trace::NONE;
@@ -22,6 +23,13 @@ pub(super) struct Piece {
     pub(super) component: Component,
     pub(super) role: Role,
     shells: Vec<(Shell, Outward)>,
+    facing: Facing,
+}
+
+impl Piece {
+    fn bounds(&self) -> impl Iterator<Item = Bound<'_>> {
+        self.shells.iter().map(|shell| Bound { role: self.role, facing: self.facing, shell })
+    }
 }
 
 /// What [`gather`] did.
@@ -77,7 +85,8 @@ fn part(element: &Element, untagged: Untagged) -> Part {
                 turned.push((shell, outward));
             }
         }
-        Piece { component, role, shells: turned }
+        let facing = facing(&element.mesh, &component);
+        Piece { component, role, shells: turned, facing }
     });
     Part { pieces: pieces.collect() }
 }
@@ -106,9 +115,8 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
             writer.index[..element.mesh.positions.len()].fill(NONE);
             let pieces = || part.pieces.iter().filter(|piece| (piece.role == Role::Air) == labels);
             // What is closed first. The shells that agree bound a volume together, each other one by itself.
-            let shells = || pieces().flat_map(|p| p.shells.iter().map(|s| (p.role, s)));
             let (together, others): (Vec<_>, Vec<_>) =
-                shells().partition(|(_, (shell, _))| shell.inside == Inside::Together);
+                pieces().flat_map(Piece::bounds).partition(|bound| bound.shell.0.inside == Inside::Together);
             let volumes = [together].into_iter().chain(others.into_iter().map(|shell| vec![shell]));
             for volume in volumes.filter(|shells| !shells.is_empty()) {
                 gathered.turned += writer.volume(&volume);
@@ -121,7 +129,8 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
                     let is_solid = matches!(element.semantic.role(), Some(Role::Solid));
                     gathered.open_solids += u64::from(is_solid && piece.role == Role::Detail);
                     let all = piece.component.triangles.iter();
-                    writer.triangles(all.map(|&t| (t, element.mesh.triangles[t as usize])), NONE);
+                    let all = all.map(|&t| (t, element.mesh.triangles[t as usize]));
+                    writer.triangles(all, NONE, piece.facing);
                 }
             }
             if labels {
@@ -153,6 +162,13 @@ fn name_doubled(triangles: &[[u32; 3]], index: &mut [u32]) {
     }
 }
 
+/// A shell of a volume.
+struct Bound<'a> {
+    role: Role,
+    facing: Facing,
+    shell: &'a (Shell, Outward),
+}
+
 /// Writes one element into the tables.
 struct Writer<'a> {
     element: &'a Element,
@@ -167,12 +183,14 @@ struct Writer<'a> {
 impl Writer<'_> {
     /// The volume that these shells, of one role, bound together: a cavity looks inward, and takes off. Returns how many
     /// of their triangles were turned.
-    fn volume(&mut self, shells: &[(Role, &(Shell, Outward))]) -> u64 {
+    fn volume(&mut self, shells: &[Bound<'_>]) -> u64 {
         let first = self.tables.triangles.len();
         let id = self.tables.volumes.len() as u32;
         let (mut turned, mut measure) = (0, 0.0);
-        for (_, (shell, outward)) in shells {
-            self.triangles(shell.triangles.iter().copied().zip(outward.triangles.iter().copied()), id);
+        for Bound { facing, shell: (shell, outward), .. } in shells {
+            // Of a component whose triangles agree none was turned.
+            let triangles = shell.triangles.iter().copied().zip(outward.triangles.iter().copied());
+            self.triangles(triangles, id, *facing);
             turned += outward.turned;
             measure += outward.volume;
         }
@@ -181,20 +199,23 @@ impl Writer<'_> {
             // All of it inside out: from here on triangles look out of the matter, also into cavities.
             triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
             turned += triangles.len() as u64;
+            for run in self.tables.runs.iter_mut().rev().take_while(|run| run.first as usize >= first) {
+                run.facing = Facing::of(run.facing).map_or(0, |facing| facing.turned() as u32);
+            }
         }
         let mut corners = triangles.iter().flatten().map(|&v| self.tables.vertices[v as usize]);
         let start = corners.next().unwrap_or_default();
         let bounds = corners.fold([start; 2], |[lo, hi], p| {
             [[0, 1, 2].map(|axis| lo[axis].min(p[axis])), [0, 1, 2].map(|axis| hi[axis].max(p[axis]))]
         });
-        let inside = shells.first().map_or(Inside::Together, |(_, (shell, _))| shell.inside);
+        let inside = shells.first().map_or(Inside::Together, |bound| bound.shell.0.inside);
         self.tables.volumes.push(VolumeRecord {
             bounds,
             measure: measure.abs(),
             first_triangle: first as u32,
             triangle_count: (self.tables.triangles.len() - first) as u32,
             element: self.number,
-            role: shells.first().map_or(Role::Detail, |shell| shell.0) as u32,
+            role: shells.first().map_or(Role::Detail, |bound| bound.role) as u32,
             by_winding: u32::from(inside != Inside::ByParity),
             room: NONE,
         });
@@ -202,7 +223,7 @@ impl Writer<'_> {
     }
 
     /// Triangles, each with its index in the mesh and its corners there.
-    fn triangles(&mut self, triangles: impl Iterator<Item = (u32, [u32; 3])>, volume: u32) {
+    fn triangles(&mut self, triangles: impl Iterator<Item = (u32, [u32; 3])>, volume: u32, facing: Facing) {
         let mesh = &self.element.mesh;
         for (t, corners) in triangles {
             let vertices = corners.map(|v| {
@@ -215,7 +236,8 @@ impl Writer<'_> {
             });
             self.places[t as usize] = self.tables.triangles.len() as u32;
             let material = mesh.materials[t as usize].0;
-            self.tables.push(TriangleRecord { vertices, element: self.number, material, volume });
+            let (element, facing) = (self.number, facing as u32);
+            self.tables.push(TriangleRecord { vertices, element, material, volume, facing });
         }
     }
 }

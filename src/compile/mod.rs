@@ -9,6 +9,7 @@ mod bvh;
 mod cell_grid;
 mod compact;
 mod detail;
+mod facing;
 mod geometry;
 mod locator;
 mod mapped;

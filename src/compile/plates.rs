@@ -226,7 +226,7 @@ mod tests {
             let first = 3 * i as u32;
             tables.vertices.extend(corners.map(|[x, y]| [x, y, 1.0]));
             let vertices = [first, first + 1, first + 2];
-            tables.push(TriangleRecord { vertices, element: 0, material: 0, volume: NONE });
+            tables.push(TriangleRecord { vertices, element: 0, material: 0, volume: NONE, facing: 0 });
             tables.surfaces.push(i as u32);
         }
         tables.sources.push(SourceRecord { first: 0, count: triangles.len() as u32, root: NONE, plane: 0 });

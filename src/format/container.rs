@@ -18,7 +18,7 @@ use super::FormatError;
 pub const MAGIC: [u8; 8] = *b"\x89ENF\r\n\x1a\n";
 
 /// Rises when readers of an older version would read a newer file wrongly.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// Reads differently where bytes are swapped.
 pub const ENDIAN_MARK: u32 = 0x0A0B_0C0D;

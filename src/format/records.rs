@@ -357,9 +357,38 @@ pub struct TriangleRecord {
     pub material: u32,
     /// The volume whose boundary it is, as index into the section `volumes`, or none.
     pub volume: u32,
+    /// Number of its [`Facing`].
+    pub facing: u32,
 }
 
-/// Section `runs`: triangles that follow each other, up to the next run's first, of one element, material and volume.
+/// Which side of a triangle hides the other, seen from outside of the closed surface that it is part of: such a surface does not cross itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Facing {
+    /// That is not told.
+    Any = 0,
+    /// The front: seen from there its corners go around to the left.
+    Outward = 1,
+    /// The back.
+    Inward = 2,
+}
+
+impl Facing {
+    /// That with this number; none if there is none.
+    pub fn of(number: u32) -> Option<Facing> {
+        [Facing::Any, Facing::Outward, Facing::Inward].into_iter().find(|&facing| facing as u32 == number)
+    }
+
+    /// That of the same triangles turned over.
+    pub fn turned(self) -> Facing {
+        match self {
+            Facing::Any => Facing::Any,
+            Facing::Outward => Facing::Inward,
+            Facing::Inward => Facing::Outward,
+        }
+    }
+}
+
+/// Section `runs`: triangles that follow each other, up to the next run's first, of one element, material, volume and facing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RunRecord {
@@ -371,19 +400,22 @@ pub struct RunRecord {
     pub material: u32,
     /// As [`TriangleRecord::volume`].
     pub volume: u32,
+    /// As [`TriangleRecord::facing`].
+    pub facing: u32,
 }
 
 impl RunRecord {
     /// The run that begins with a triangle.
     pub(crate) fn from(first: u32, triangle: &TriangleRecord) -> RunRecord {
-        let TriangleRecord { element, material, volume, .. } = *triangle;
-        RunRecord { first, element, material, volume }
+        let TriangleRecord { element, material, volume, facing, .. } = *triangle;
+        RunRecord { first, element, material, volume, facing }
     }
 
     /// One of its triangles.
     #[inline(always)]
     pub(crate) fn of(self, vertices: [u32; 3]) -> TriangleRecord {
-        TriangleRecord { vertices, element: self.element, material: self.material, volume: self.volume }
+        let RunRecord { element, material, volume, facing, .. } = self;
+        TriangleRecord { vertices, element, material, volume, facing }
     }
 }
 
@@ -568,7 +600,7 @@ mod tests {
         assert_eq!(size_of::<MaterialRecord>(), 56);
         assert_eq!(size_of::<LightRecord>(), 96);
         assert_eq!(size_of::<CameraRecord>(), 88);
-        assert_eq!(size_of::<RunRecord>(), 16);
+        assert_eq!(size_of::<RunRecord>(), 20);
         assert_eq!(size_of::<VolumeRecord>(), 80);
         assert_eq!(size_of::<NodeRecord>(), 224);
     }

@@ -11,9 +11,9 @@ use super::FormatError;
 use super::container::{self, NewSection, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
-    BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, LANES, Leaf, LightRecord,
-    MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, RunRecord, SceneRecord, SideRecord, SourceRecord,
-    Text, Traits, TriangleRecord, VolumeRecord,
+    BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, Facing, LANES, Leaf,
+    LightRecord, MaterialRecord, NodeRecord, PlaneRecord, RoomRecord, RunRecord, SceneRecord, SideRecord,
+    SourceRecord, Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
 use crate::trace::{
@@ -479,7 +479,8 @@ impl<'a> Check<'a> {
             let ok = (run.first as usize) < end
                 && (run.element as usize) < v.elements.len()
                 && (run.material as usize) < v.materials.len()
-                && (run.volume == NONE || (run.volume as usize) < v.volumes.len());
+                && (run.volume == NONE || (run.volume as usize) < v.volumes.len())
+                && Facing::of(run.facing).is_some();
             ensure(ok, "runs", i, || format!("{run:?} refers to what is not there"))?;
         }
         let detail = v.scene[0].detail_triangles as usize;
