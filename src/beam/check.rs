@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use glam::DVec3;
 
+use super::screen::ASIDE;
 use super::{Beams, Surface};
 use crate::render::Camera;
 use crate::scene::Scene;
@@ -33,6 +34,8 @@ pub struct Differences {
     pub flush: u64,
     /// Pixels that show something else where the ray meets what the eye touches, or they show a triangle that it touches.
     pub touching: u64,
+    /// Pixels that show something else, which the ray of an eye a nanometre aside meets: where eyes are moved to that lie in planes.
+    pub aside: u64,
     /// Pixels that show something else, no tie: their columns and rows, what the beam shows, and which triangle the ray meets.
     pub wrong: Vec<([u32; 2], Surface, u32)>,
 }
@@ -85,12 +88,26 @@ pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
         }
         if is_tie {
             differences.ties += 1;
+        } else if is_seen_aside(scene, surface, ray) {
+            differences.aside += 1;
         } else {
             let place = [index as u32 % width, index as u32 / width];
             differences.wrong.push((place, surface, hit.triangle));
         }
     }
     differences
+}
+
+/// Whether a ray that starts where eyes are moved to, to any side, meets a surface.
+fn is_seen_aside(scene: &Scene, surface: Surface, ray: &Ray) -> bool {
+    let prisms = Prisms::new(&scene.tables);
+    let eye = prisms.local(DVec3::from(ray.origin));
+    (0..8u32).any(|part| {
+        let to = |bit: u32| if part >> bit & 1 != 0 { 1.0 } else { -1.0 };
+        let origin = prisms.global(eye + ASIDE * DVec3::new(to(0), to(1), to(2)));
+        let aside = Ray::new(origin.to_array(), ray.direction);
+        is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
+    })
 }
 
 /// Whether a surface is a triangle in a cell in whose plane a ray starts: it may pass that, or not.
@@ -103,12 +120,15 @@ fn touches(scene: &Scene, surface: Surface, ray: &Ray) -> bool {
 
 /// Whether a ray meets a surface's plane within the tolerance of what it meets.
 fn is_flush(scene: &Scene, surface: Surface, ray: &Ray, hit: &Hit) -> bool {
+    if hit.element == NONE {
+        return false;
+    }
     let shown = match surface {
         Surface::Sky | Surface::Unsure => None,
         Surface::Source(source) => scene.hit_on_source(ray, hit.cell, source, Want::LEAST),
         Surface::Triangle(triangle) => scene.hit_on_plane(ray, hit.cell, (triangle, NONE), Want::LEAST),
     };
-    hit.element != NONE && shown.is_some_and(|shown| (shown.t - hit.t).abs() <= scene.tolerance())
+    shown.is_some_and(|shown| (shown.t - hit.t).abs() <= scene.tolerance())
 }
 
 /// Whether what a ray meets is part of a surface.

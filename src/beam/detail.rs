@@ -4,18 +4,20 @@
 //! of its ends: a line of the picture, of equal size and opposite sign on the other side. A triangle is where three of them are positive, so that
 //! nothing is clipped, not even behind the eye; and `1 / t` is linear.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use glam::{DMat3, DVec3, Vec3};
 
-use super::kernels::{Bound, Deep};
+use super::backs::Hidden;
+use super::kernels::{Bound, Deep, Kernels};
 use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
+use super::sight::{Place, SLACK, Sight, away, reaches, triangles_reach};
 use crate::format::Views;
-use crate::format::records::{BlockRecord, LANES, Leaf, NodeRecord};
+use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
-
-/// Boxes are this much larger, metres: what f32 rounds.
-const SLACK: f32 = 1e-3;
 
 /// A corner that is this much farther outside of a cell, metres, is outside.
 const OUTSIDE: f64 = 1e-6;
@@ -33,10 +35,53 @@ pub(crate) struct Detail<'a> {
     pub(super) screen: Screen,
     /// From a point relative to the eye to the camera's coordinates.
     camera: DMat3,
+    /// Whether that swaps left and right.
+    is_mirrored: bool,
+    /// The backs that are not drawn.
+    hidden: &'a Hidden<'a>,
     /// The eye relative to the scene's center.
     eye: Vec3,
+    sight: Sight,
     stack: Vec<u32>,
+    open: BinaryHeap<Open>,
 }
+
+/// What draws triangles.
+pub(super) trait Pen {
+    /// Whether nothing in a place would show.
+    fn hides(&mut self, place: &Place) -> bool;
+
+    fn draw(&mut self, drawn: &Drawn);
+}
+
+/// A node or leaf, and where in the picture it is.
+struct Open {
+    link: u32,
+    /// The square of how far it is, metres, as bits.
+    away: u32,
+    place: Place,
+}
+
+impl Ord for Open {
+    /// The nearest is the greatest.
+    fn cmp(&self, other: &Open) -> Ordering {
+        (other.away, other.link).cmp(&(self.away, self.link))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Open) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Open) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
 
 /// A triangle, ready to be drawn.
 pub(crate) struct Drawn {
@@ -51,20 +96,34 @@ pub(crate) struct Drawn {
 impl Drawn {
     /// Of nothing yet.
     fn new() -> Drawn {
-        let deep = Deep { bounds: [Bound::NONE; Deep::BOUNDS], count: 0, near: [0.0; 3] };
+        let deep = Deep { bounds: [Bound::NONE; Deep::BOUNDS], count: 0, near: [0.0; 3], nearest: 0.0 };
         Drawn { triangle: u32::MAX, rows: [0; 2], normal: DVec3::ZERO, deep }
     }
 }
 
 impl<'a> Detail<'a> {
-    pub(crate) fn new(tables: &'a Views, screen: Screen) -> Detail<'a> {
+    pub(crate) fn new(tables: &'a Views, screen: Screen, hidden: &'a Hidden<'a>) -> Detail<'a> {
         let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
         let eye = (screen.eye - DVec3::from(tables.scene[0].center)).as_vec3();
-        Detail { tables, screen, camera, eye, stack: Vec::new() }
+        let [lo, hi] = tables.scene[0].hull.map(DVec3::from);
+        let reach = (lo - screen.eye).abs().max((hi - screen.eye).abs()).length() + (hi - lo).length();
+        let sight = Sight::new(camera, eye, reach);
+        let is_mirrored = camera.determinant() < 0.0;
+        Detail {
+            tables,
+            screen,
+            camera,
+            is_mirrored,
+            hidden,
+            eye,
+            sight,
+            stack: Vec::new(),
+            open: BinaryHeap::new(),
+        }
     }
 
-    /// Gives `draw` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
-    pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], mut draw: impl FnMut(&Drawn)) {
+    /// Gives `pen` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
+    pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.stack.clear();
         // A scene may have no triangles at all.
@@ -80,26 +139,21 @@ impl<'a> Detail<'a> {
             let block = &self.tables.blocks[leaf.block()];
             // Triangles that rays are not to meet are no numbers: they reach nowhere.
             let mut seen = leaf.mask() & triangles_reach(block, self.eye, &frustum);
+            if seen != 0 {
+                let [left, right] = self.hidden.of_block(leaf.block());
+                seen &= !self.sight.hidden(block, [left, right]);
+            }
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                if self.triangle(block.triangle[lane], region, exits, &mut drawn) {
-                    draw(&drawn);
-                }
+                self.triangle(block.triangle[lane], region, exits, &mut drawn, pen);
             }
         }
     }
 
     /// Puts those children of a node that are seen on the stack, so that the nearest comes first: it hides others.
     fn push_nearest_last(&mut self, node: &NodeRecord, mut seen: u32) {
-        let mut away = [0.0f32; LANES];
-        for axis in 0..3 {
-            let eye = self.eye[axis];
-            for lane in 0..LANES {
-                let out = (node.lo[axis][lane] - eye).max(eye - node.hi[axis][lane]).max(0.0);
-                away[lane] += out * out;
-            }
-        }
+        let away = away(node, self.eye);
         let bottom = self.stack.len();
         let mut order = [0.0f32; LANES];
         while seen != 0 {
@@ -119,14 +173,48 @@ impl<'a> Detail<'a> {
         }
     }
 
+    /// Gives `pen` all triangles below `root` that may show in a region, which is to be most of the picture: from near to far, so that what
+    /// is hidden is left out a box at a time.
+    pub(super) fn draw_all(&mut self, region: &Region, root: u32, kernels: Kernels, pen: &mut impl Pen) {
+        let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        self.open.clear();
+        self.open.extend((root != NONE).then_some(Open { link: root, away: 0, place: Place::ANYWHERE }));
+        while let Some(Open { link, place, .. }) = self.open.pop() {
+            if !place.is_anywhere() && pen.hides(&place) {
+                continue;
+            }
+            if link & Leaf::BIT == 0 {
+                let node = &self.tables.nodes[link as usize];
+                let boxes = kernels.look_at_boxes(&self.sight, node, region, &frustum);
+                let mut seen = boxes.seen;
+                while seen != 0 {
+                    let lane = seen.trailing_zeros() as usize;
+                    seen &= seen - 1;
+                    if node.child[lane] != u32::MAX {
+                        let (link, away, place) =
+                            (node.child[lane], boxes.away[lane].to_bits(), boxes.places.of(lane));
+                        self.open.push(Open { link, away, place });
+                    }
+                }
+                continue;
+            }
+            let leaf = Leaf::new(link);
+            let block = &self.tables.blocks[leaf.block()];
+            let (seen, places) = kernels.look_at_triangles(&self.sight, block, region, &frustum);
+            let mut seen = seen & leaf.mask() & !self.sight.hidden(block, self.hidden.of_block(leaf.block()));
+            while seen != 0 {
+                let lane = seen.trailing_zeros() as usize;
+                seen &= seen - 1;
+                let place = places.of(lane);
+                if place.is_anywhere() || !pen.hides(&place) {
+                    self.triangle(block.triangle[lane], region, &[], &mut drawn, pen);
+                }
+            }
+        }
+    }
+
     /// The same of what lies around the prisms.
-    pub(super) fn draw_outer(
-        &self,
-        region: &Region,
-        outer: &Outer,
-        exits: &[Plane],
-        mut draw: impl FnMut(&Drawn),
-    ) {
+    pub(super) fn draw_outer(&self, region: &Region, outer: &Outer, exits: &[Plane], pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         let is_seen = |group: &&Group| {
             frustum.iter().all(|normal| {
@@ -136,20 +224,16 @@ impl<'a> Detail<'a> {
         };
         for group in outer.0.iter().filter(is_seen) {
             for &triangle in &group.triangles {
-                if self.triangle(triangle, region, exits, &mut drawn) {
-                    draw(&drawn);
-                }
+                self.triangle(triangle, region, exits, &mut drawn, pen);
             }
         }
     }
 
-    /// Gives `draw` those of some triangles that may show in a region.
-    pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], mut draw: impl FnMut(&Drawn)) {
+    /// Gives `pen` those of some triangles that may show in a region.
+    pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], pen: &mut impl Pen) {
         let mut drawn = Drawn::new();
         for &triangle in triangles {
-            if self.triangle(triangle, region, &[], &mut drawn) {
-                draw(&drawn);
-            }
+            self.triangle(triangle, region, &[], &mut drawn, pen);
         }
     }
 
@@ -169,14 +253,22 @@ impl<'a> Detail<'a> {
         ]
     }
 
-    /// Makes a triangle ready to be drawn, unless nothing of it is seen in the region.
-    fn triangle(&self, triangle: u32, region: &Region, exits: &[Plane], drawn: &mut Drawn) -> bool {
+    /// Draws a triangle, unless nothing of it is seen in the region.
+    fn triangle(
+        &self,
+        triangle: u32,
+        region: &Region,
+        exits: &[Plane],
+        drawn: &mut Drawn,
+        pen: &mut impl Pen,
+    ) {
         let corners = self.tables.triangles[triangle as usize];
         let world = corners.map(|v| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye);
         let [a, b, c] = world.map(|v| self.camera * v);
-        let mut rows = region.rows;
+        let (mut rows, mut nearest) = (region.rows, f64::INFINITY);
         if a.z > FRONT && b.z > FRONT && c.z > FRONT {
             let [inverse_a, inverse_b, inverse_c] = [a, b, c].map(|v| 1.0 / v.z);
+            nearest = inverse_a.max(inverse_b).max(inverse_c) * (1.0 + 1e-6);
             let [ya, yb, yc] = [a.y * inverse_a, b.y * inverse_b, c.y * inverse_c];
             rows[0] = rows[0].max(up(ya.min(yb).min(yc) - ROUNDED));
             rows[1] = rows[1].min(up(ya.max(yb).max(yc) + ROUNDED));
@@ -187,15 +279,17 @@ impl<'a> Detail<'a> {
                 || columns[0] >= region.columns[1]
                 || columns[1] <= region.columns[0]
             {
-                return false;
+                return;
             }
         } else if a.z <= 0.0 && b.z <= 0.0 && c.z <= 0.0 {
-            return false;
+            return;
         }
         let sides = [b.cross(c), c.cross(a), a.cross(b)];
         let size = a.dot(sides[0]);
-        if size == 0.0 {
-            return false;
+        // Seen from the eye, the corners go around to the left where the volume that they span with it is negative.
+        let is_left = (size < 0.0) != self.is_mirrored;
+        if size == 0.0 || self.hidden.holds(self.tables.run_of[triangle as usize], is_left) {
+            return;
         }
         let sign = size.signum();
         let near = (sides[0] + sides[1] + sides[2]) / size;
@@ -216,14 +310,15 @@ impl<'a> Detail<'a> {
             }
         }
         if rows[0] >= rows[1] {
-            return false;
+            return;
         }
         drawn.triangle = triangle;
         drawn.rows = rows;
         drawn.normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
         drawn.deep.count = count;
         drawn.deep.near = near.to_array();
-        true
+        drawn.deep.nearest = nearest;
+        pen.draw(drawn);
     }
 }
 
@@ -232,41 +327,6 @@ impl<'a> Detail<'a> {
 fn up(x: f64) -> i32 {
     let down = x as i32;
     down.saturating_add(i32::from(f64::from(down) < x))
-}
-
-/// The triangles of a block that reach into all of the half-spaces, triangle i as bit i.
-#[inline(always)]
-fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
-    let mut inside = [true; LANES];
-    for normal in frustum {
-        let limit = normal.dot(eye) - SLACK;
-        for lane in 0..LANES {
-            let along = |of: &[[f32; LANES]; 3]| {
-                normal.x * of[0][lane] + normal.y * of[1][lane] + normal.z * of[2][lane]
-            };
-            let most = along(&block.edge1).max(along(&block.edge2)).max(0.0);
-            inside[lane] &= along(&block.corner) + most >= limit;
-        }
-    }
-    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
-}
-
-/// The children of a node that reach into all of the half-spaces, child i as bit i.
-#[inline(always)]
-fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
-    let mut inside = [true; LANES];
-    for normal in frustum {
-        let limit = normal.dot(eye) - SLACK;
-        for lane in 0..LANES {
-            let mut far = 0.0;
-            for axis in 0..3 {
-                let n = normal[axis];
-                far += if n > 0.0 { n * node.hi[axis][lane] } else { n * node.lo[axis][lane] };
-            }
-            inside[lane] &= far >= limit;
-        }
-    }
-    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
 }
 
 /// The borders of those rows of a region that `rows` holds, and more.

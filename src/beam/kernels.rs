@@ -1,10 +1,14 @@
 //! The loops over rows and pixels.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
+use super::cover::Cover;
+use super::rows::Region;
 use super::shade::Shading;
+use super::sight::{Boxes, Places, Sight};
 use super::simd;
 use super::wide::{ALL, Columns, FARTHEST, Lines, ROWS, WIDE, Wide};
+use crate::format::records::{BlockRecord, NodeRecord};
 use crate::trace::Kernel;
 
 /// What the CPU has.
@@ -42,6 +46,30 @@ impl Kernels {
         tint: &T,
     ) {
         simd::draw(self.0, borders, cover, rows, deep, tint);
+    }
+
+    /// Which of the children of a node show in a region, which has this frustum, and where.
+    #[inline]
+    pub(super) fn look_at_boxes(
+        self,
+        sight: &Sight,
+        node: &NodeRecord,
+        region: &Region,
+        frustum: &[Vec3; 4],
+    ) -> Boxes {
+        simd::boxes(self.0, sight, node, region, frustum)
+    }
+
+    /// Which of the triangles of a block show in a region, which has this frustum, and where.
+    #[inline]
+    pub(super) fn look_at_triangles(
+        self,
+        sight: &Sight,
+        block: &BlockRecord,
+        region: &Region,
+        frustum: &[Vec3; 4],
+    ) -> (u32, Places) {
+        simd::triangles(self.0, sight, block, region, frustum)
     }
 
     /// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
@@ -171,6 +199,8 @@ pub(super) struct Deep {
     pub(super) count: usize,
     /// `1 / t`: how it grows with column and row, and in the first pixel.
     pub(super) near: [f64; 3],
+    /// The greatest that it may be.
+    pub(super) nearest: f64,
 }
 
 impl Deep {
@@ -181,38 +211,12 @@ impl Deep {
 /// all their pixels, whatever f32 rounds.
 const NEARER: f32 = 1.0 + 4e-7;
 
-/// Rows of a picture being made, each from left to right in blocks of [`WIDE`] pixels, of which the last may not be whole.
-pub(crate) struct Cover<'a> {
-    pub(crate) width: usize,
-    /// The first row.
-    pub(crate) top: i32,
-    pub(crate) pixels: &'a mut [u32],
-    /// `1 / t` of the detail that each pixel shows, 0 where it shows none, by block; holds only where that shows any.
-    pub(crate) near: &'a mut [[f32; WIDE]],
-    /// Whether each block shows any detail.
-    pub(crate) touched: &'a mut [bool],
-    /// Whether each row does.
-    pub(crate) rows: &'a mut [bool],
-}
-
-impl Cover<'_> {
-    /// Blocks in a row.
-    pub(crate) fn blocks(width: usize) -> usize {
-        width.div_ceil(WIDE)
-    }
-
-    /// Whether detail is seen in a pixel.
-    pub(crate) fn is_taken(&self, row: i32, column: i32) -> bool {
-        let block = (row - self.top) as usize * Cover::blocks(self.width) + column as usize / WIDE;
-        self.touched[block] && self.near[block][column as usize % WIDE] != 0.0
-    }
-}
-
 /// Which of the sixteen columns of a block are from one up to another.
 #[inline(always)]
 fn between(block: usize, lo: i32, hi: i32) -> u32 {
     let first = (block * WIDE) as i32;
-    let (from, to) = ((lo - first).max(0) as u32, (hi - first).min(WIDE as i32) as u32);
+    let from = (lo - first).clamp(0, WIDE as i32) as u32;
+    let to = (hi - first).clamp(0, WIDE as i32) as u32;
     (ALL << from) & ALL & (ALL >> (WIDE as u32 - to))
 }
 
@@ -319,9 +323,11 @@ pub(super) fn draw<W: Wide, T: Tint>(
     deep: &Deep,
     tint: &T,
 ) {
-    let count = (rows[1] - rows[0]) as usize;
-    for from in (0..count).step_by(ROWS) {
-        let row = rows[0] + from as i32;
+    let mut row = rows[0];
+    while row < rows[1] {
+        // As many as are in one row of tiles.
+        let count = (ROWS as i32 - (row - cover.top) % ROWS as i32).min(rows[1] - row);
+        let from = (row - rows[0]) as usize;
         let mut borders = [LinesOf::<W>::splat(-FARTHEST), LinesOf::<W>::splat(FARTHEST)];
         for bound in &deep.bounds[..deep.count] {
             LinesOf::<W>::narrow(
@@ -334,43 +340,85 @@ pub(super) fn draw<W: Wide, T: Tint>(
         let lo = borders[0].not_left().max(W::Columns::load(lo));
         let hi = borders[1].not_left().min(W::Columns::load(hi));
         // Rows after the last are not of this triangle.
-        let mut rest = lo.less(hi) & (u32::MAX >> (32 - (count - from).min(ROWS)));
-        let (lo, hi) = (lo.store(), hi.store());
-        while rest != 0 {
-            let i = rest.trailing_zeros() as usize % ROWS;
-            rest &= rest - 1;
-            draw_row::<W, T>(cover, row + i as i32, [lo[i], hi[i]], deep, tint);
+        let there = lo.less(hi) & (u32::MAX >> (32 - count));
+        if there != 0 {
+            draw_tiles::<W, T>(cover, row, there, [lo.store(), hi.store()], deep, tint);
         }
+        row += count;
     }
 }
 
-/// Draws a triangle in one row, from one column up to another.
+/// All rows of a tile, row i as bit i.
+const EIGHT: u32 = 0xff;
+
+/// Draws a triangle in those rows of one row of tiles that are `there`, row i after `row` as bit i, between their borders.
 #[inline(always)]
-fn draw_row<W: Wide, T: Tint>(cover: &mut Cover<'_>, row: i32, [lo, hi]: [i32; 2], deep: &Deep, tint: &T) {
+fn draw_tiles<W: Wide, T: Tint>(
+    cover: &mut Cover<'_>,
+    row: i32,
+    there: u32,
+    [lo, hi]: [[i32; ROWS]; 2],
+    deep: &Deep,
+    tint: &T,
+) {
+    // The columns of any row, and those of all.
+    let (mut left, mut right) = (i32::MAX, 0);
+    let [mut inner_left, mut inner_right] = if there == EIGHT { [0, i32::MAX] } else { [0; 2] };
+    for i in 0..ROWS {
+        let is_there = there >> i & 1 != 0;
+        left = left.min(if is_there { lo[i] } else { i32::MAX });
+        right = right.max(if is_there { hi[i] } else { 0 });
+        inner_left = inner_left.max(lo[i]);
+        inner_right = inner_right.min(hi[i]);
+    }
     let (width, blocks) = (cover.width, Cover::blocks(cover.width));
     let below = (row - cover.top) as usize;
-    let line = &mut cover.pixels[below * width..(below + 1) * width];
-    let known = below * blocks..(below + 1) * blocks;
-    let (nears, touched) = (&mut cover.near[known.clone()], &mut cover.touched[known]);
-    cover.rows[below] = true;
+    let tiles = &mut cover.tiles[below / ROWS * blocks..][..blocks];
     let start = deep.near[1] * f64::from(row) + deep.near[2];
-    let step = W::splat(deep.near[0] as f32);
-    for block in lo as usize / WIDE..=(hi as usize - 1) / WIDE {
-        let left = (block * WIDE) as f64;
-        let near = W::count().mul_add(step, W::splat((deep.near[0] * left + start) as f32));
-        let mut mask = between(block, lo, hi);
-        let known = &mut nears[block];
-        if touched[block] {
-            mask &= near.greater(W::load(known).mul(W::splat(NEARER)));
+    // Where in a tile it is nearest.
+    let ahead = deep.near[0].max(0.0) * (WIDE - 1) as f64 + deep.near[1].max(0.0) * (ROWS - 1) as f64;
+    let behind = deep.near[0].min(0.0) * (WIDE - 1) as f64 + deep.near[1].min(0.0) * (ROWS - 1) as f64;
+    // From the first row of the tile on.
+    let before = deep.near[1] * (below % ROWS) as f64;
+    let slopes = [deep.near[0] as f32, deep.near[1] as f32];
+    let step = W::splat(slopes[0]);
+    for block in left as usize / WIDE..=(right as usize - 1) / WIDE {
+        let first = block * WIDE;
+        let corner = deep.near[0] * first as f64 + start;
+        let tile = &mut tiles[block];
+        let nearest = (corner + ahead).min(deep.nearest) as f32;
+        let plane = [slopes[0], slopes[1], (corner - before) as f32];
+        if nearest <= tile.far.abs() || tile.is_before(plane) {
+            continue;
+        }
+        let fills = inner_left <= first as i32 && inner_right >= (first + WIDE) as i32;
+        tile.draw(plane, fills.then_some((corner + behind) as f32));
+        let columns = W::splat(first as f32).add(W::count());
+        let mut rest = there;
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize % ROWS;
+            rest &= rest - 1;
+            let mut mask = between(block, lo[i], hi[i]);
             if mask == 0 {
                 continue;
             }
-            near.put(mask, known);
-        } else {
-            touched[block] = true;
-            near.put_or_zero(mask, known);
+            let at = (below + i) * blocks + block;
+            let near = W::count().mul_add(step, W::splat((corner + deep.near[1] * i as f64) as f32));
+            let known = &mut cover.near[at];
+            if cover.touched[at] {
+                mask &= near.greater(W::load(known).mul(W::splat(NEARER)));
+                if mask == 0 {
+                    continue;
+                }
+                near.put(mask, known);
+            } else {
+                cover.touched[at] = true;
+                cover.rows[below + i] = true;
+                near.put_or_zero(mask, known);
+            }
+            let line = &mut cover.pixels[(below + i) * width..][..width];
+            let same = tint.row((row + i as i32) as f32);
+            put::<W>(line, block, tint.pixels(same, columns), mask);
         }
-        let columns = W::splat(left as f32).add(W::count());
-        put::<W>(line, block, tint.pixels(tint.row(row as f32), columns), mask);
     }
 }

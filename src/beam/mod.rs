@@ -7,7 +7,9 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+pub(crate) mod backs;
 pub(crate) mod check;
+pub(crate) mod cover;
 pub(crate) mod detail;
 mod hull;
 pub(crate) mod kernels;
@@ -17,6 +19,7 @@ pub(crate) mod rays;
 pub(crate) mod rows;
 pub(crate) mod screen;
 pub(crate) mod shade;
+mod sight;
 pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
 pub(crate) mod tests;
@@ -27,10 +30,12 @@ pub(crate) mod wide;
 use std::ops::{AddAssign, Deref};
 use std::sync::{Mutex, PoisonError};
 
+use backs::{Backs, Hidden};
 pub use check::Differences;
+use cover::Depths;
 use detail::Detail;
 use hull::Hull;
-use kernels::{Cover, Kernels};
+use kernels::Kernels;
 use outer::Outer;
 use parting::Partings;
 use rays::Rays;
@@ -38,8 +43,8 @@ use screen::{ASIDE, Screen};
 use shade::{Canvas, Looks, Show, square};
 pub(crate) use told::Told;
 use walk::{AROUND, Around, Space, Walker};
-use wide::WIDE;
 
+use enfilade_importers::Semantic;
 use glam::DVec3;
 
 use crate::format::records::CellRecord;
@@ -95,14 +100,15 @@ struct Kept {
     works: Mutex<Vec<Work>>,
     outer: Outer,
     hull: Hull,
+    backs: Backs,
+    /// So that from outside all triangles are drawn, not cell by cell.
+    is_cut_up: bool,
 }
 
 /// What a thread needs for a band.
 struct Work {
     space: Space,
-    near: Vec<[f32; WIDE]>,
-    touched: Vec<bool>,
-    rows: Vec<bool>,
+    depths: Depths,
     unsure: Vec<[i32; 3]>,
     counts: BeamCounts,
 }
@@ -118,6 +124,7 @@ struct Shot<'s> {
     start: Option<u32>,
     scene: &'s Scene,
     kept: &'s Kept,
+    hidden: Hidden<'s>,
 }
 
 impl<S: Deref<Target = Scene>> Beams<S> {
@@ -131,6 +138,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             works: Mutex::new(Vec::new()),
             outer: Outer::new(&scene),
             hull: Hull::new(),
+            backs: Backs::new(&scene.tables),
+            is_cut_up: is_cut_up(&scene),
         };
         Beams { scene, kept, last: NONE }
     }
@@ -194,7 +203,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         self.last = start.unwrap_or(NONE);
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
-        let shot = Shot { internal, screen, width, show, start, scene, kept: &self.kept };
+        let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
+        let shot = Shot { internal, screen, width, show, start, scene, kept, hidden };
         shot.bands(pixels);
         let mut counts = BeamCounts::default();
         let mut unsure = Vec::new();
@@ -248,6 +258,20 @@ pub(crate) fn stand(scene: &Scene, camera: &Camera, last: u32) -> Option<(u32, D
     Some(best.map_or((cell, DVec3::ONE), |(part, cell)| (cell, signs(part))))
 }
 
+/// Whether a cell is of the air around the building, or is all that is around the prisms.
+fn is_exterior(prisms: &Prisms<'_>, cell: u32) -> bool {
+    let record = &prisms.cells[cell as usize];
+    cell == AROUND || record.kind == CellRecord::AIR && record.semantic == Semantic::Exterior as u16
+}
+
+/// Whether the air around a building is in so many cells that beams come to each of them from many sides: it takes about the square of how many there are,
+/// and to draw all triangles, from near to far, as many as these.
+fn is_cut_up(scene: &Scene) -> bool {
+    let prisms = Prisms::new(&scene.tables);
+    let count = (0..prisms.cells.len() as u32).filter(|&cell| is_exterior(&prisms, cell)).count();
+    count.saturating_mul(count) > scene.detail_triangle_count() as usize
+}
+
 impl Shot<'_> {
     /// Paints all rows, by bands.
     fn bands(&self, pixels: &mut [u32]) {
@@ -272,29 +296,16 @@ impl Shot<'_> {
 
 impl Work {
     fn new() -> Work {
-        let (near, touched, rows, unsure) = Default::default();
-        Work { space: Space::new(), near, touched, rows, unsure, counts: BeamCounts::default() }
+        let (unsure, counts) = Default::default();
+        Work { space: Space::new(), depths: Depths::new(), unsure, counts }
     }
 
     /// Paints a band of rows from the `first` on.
     fn band(&mut self, shot: &Shot<'_>, first: i32, pixels: &mut [u32]) {
         let (kept, tables, width) = (shot.kept, &shot.scene.tables, shot.width as usize);
         let rows = pixels.len() / width;
-        // What is near holds only where it is touched.
-        self.near.resize(rows * Cover::blocks(width), [0.0; WIDE]);
-        self.touched.clear();
-        self.touched.resize(rows * Cover::blocks(width), false);
-        self.rows.clear();
-        self.rows.resize(rows, false);
-        let mut detail = Detail::new(tables, shot.internal);
-        let cover = Cover {
-            width,
-            top: first,
-            pixels,
-            near: &mut self.near,
-            touched: &mut self.touched,
-            rows: &mut self.rows,
-        };
+        let mut detail = Detail::new(tables, shot.internal, &shot.hidden);
+        let cover = self.depths.cover(width, first, pixels);
         let mut canvas = Canvas {
             tables,
             kernels: kept.kernels,
@@ -309,12 +320,14 @@ impl Work {
             spans: 0,
         };
         let prisms = Prisms::new(tables);
-        let around = match shot.start {
-            Some(AROUND) if prisms.cells.len() == 1 || prisms.hold(shot.screen.eye) => {
-                Around::All(tables.cells[AROUND as usize].root)
+        let is_in_zone = prisms.hold(shot.screen.eye);
+        let cut_up = |cell: u32| kept.is_cut_up && shot.show != Show::Cells && is_exterior(&prisms, cell);
+        let (start, around) = match shot.start {
+            Some(cell) if cut_up(cell) || cell == AROUND && (is_in_zone || prisms.cells.len() == 1) => {
+                (Some(AROUND), Around::All(tables.cells[AROUND as usize].root))
             }
-            Some(AROUND) => Around::Entered(&kept.outer, &kept.hull),
-            _ => Around::Outer(&kept.outer),
+            Some(AROUND) => (shot.start, Around::Entered(&kept.outer, &kept.hull)),
+            start => (start, Around::Outer(&kept.outer)),
         };
         let mut walker = Walker::new(
             tables,
@@ -324,7 +337,7 @@ impl Work {
             &mut canvas,
             (&kept.partings, around),
         );
-        walker.band(width as i32, [first, first + rows as i32], shot.start);
+        walker.band(width as i32, [first, first + rows as i32], start);
         self.counts.spans += canvas.spans;
         self.counts.triangles += canvas.triangles;
         self.counts.cells += self.space.cells;

@@ -1,9 +1,11 @@
 //! From regions to pixels: Lambert's cosine with a lamp at the eye, as eight-bit RGBA; or what each pixel shows, by number.
 
-use super::detail::{Detail, Drawn, borders_of};
-use super::kernels::{Cover, Flat, Kernels, Tint};
+use super::cover::Cover;
+use super::detail::{Detail, Drawn, Pen, borders_of};
+use super::kernels::{Flat, Kernels, Tint};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
+use super::sight::Place;
 use super::walk::{AROUND, Paint, Seen, Triangles};
 use crate::format::Views;
 use crate::format::records::SourceRecord;
@@ -90,36 +92,26 @@ pub(crate) fn square(screen: &Screen) -> [f32; 5] {
     square.map(|c| c as f32)
 }
 
-impl Canvas<'_, '_> {
+impl<'a, 'd> Canvas<'a, 'd> {
     /// Fills what is free of a region.
     fn fill(&mut self, arena: &Arena, region: &Region, tint: &impl Tint) {
         self.kernels.fill(arena.borders(region), &mut self.cover, region.rows[0], tint);
     }
 
-    /// Draws what `list` gives of the triangles of a region.
-    fn draw(
-        &mut self,
-        arena: &Arena,
-        region: &Region,
+    /// What finds the triangles of a region, in a cell, and what draws them.
+    fn pencil<'c>(
+        &'c mut self,
+        arena: &'c Arena,
+        region: &'c Region,
         cell: u32,
-        list: impl FnOnce(&mut Detail<'_>, &mut dyn FnMut(&Drawn)),
-    ) {
+    ) -> (&'c mut Detail<'d>, Pencil<'c, 'a>) {
         let Canvas { tables, kernels, show, cover, looks, square, triangles, detail, .. } = self;
         let screen = detail.screen;
-        list(detail, &mut |drawn| {
-            *triangles += 1;
-            let (borders, rows) = (borders_of(arena, region, drawn.rows), drawn.rows);
-            match show {
-                Show::Light => {
-                    let grows = screen.along(drawn.normal).map(|c| c as f32);
-                    let color = looks.of(tables, drawn.triangle);
-                    let shading = Shading { grows, square: *square, color };
-                    kernels.draw(borders, cover, rows, &drawn.deep, &shading);
-                }
-                Show::Surfaces => kernels.draw(borders, cover, rows, &drawn.deep, &Flat(drawn.triangle)),
-                Show::Cells => kernels.draw(borders, cover, rows, &drawn.deep, &Flat(cell)),
-            }
-        });
+        let (tables, kernels, show, looks, square) = (*tables, *kernels, *show, *looks, *square);
+        (
+            detail,
+            Pencil { tables, kernels, show, cover, looks, square, screen, arena, region, cell, triangles },
+        )
     }
 
     /// Leaves to rays what is free of a region.
@@ -146,10 +138,13 @@ impl Canvas<'_, '_> {
 impl Paint for Canvas<'_, '_> {
     fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]) {
         let (cell, triangles) = of;
-        self.draw(arena, region, cell, |detail, draw| match triangles {
-            Triangles::Below(root) => detail.draw(region, root, exits, draw),
-            Triangles::Outer(outer) => detail.draw_outer(region, outer, exits, draw),
-        });
+        let kernels = self.kernels;
+        let (detail, mut pencil) = self.pencil(arena, region, cell);
+        match triangles {
+            Triangles::Below(root) => detail.draw(region, root, exits, &mut pencil),
+            Triangles::All(root) => detail.draw_all(region, root, kernels, &mut pencil),
+            Triangles::Outer(outer) => detail.draw_outer(region, outer, exits, &mut pencil),
+        }
     }
 
     fn is_hidden(&self, arena: &Arena, region: &Region) -> bool {
@@ -177,16 +172,54 @@ impl Paint for Canvas<'_, '_> {
                 let SourceRecord { first, count, root, .. } = self.tables.sources[*source as usize];
                 let listed = first as usize..first as usize + count as usize;
                 let tables = self.tables;
-                self.draw(arena, region, *cell, |detail, draw| match root {
-                    NONE => detail.draw_listed(region, &tables.surfaces[listed], draw),
-                    root => detail.draw(region, root, &[], draw),
-                });
+                let (detail, mut pencil) = self.pencil(arena, region, *cell);
+                match root {
+                    NONE => detail.draw_listed(region, &tables.surfaces[listed], &mut pencil),
+                    root => detail.draw(region, root, &[], &mut pencil),
+                }
                 self.doubt(arena, region);
             }
             (Seen::Nothing, Show::Light) => self.fill(arena, region, &Flat(self.sky)),
             (Seen::Nothing, Show::Surfaces) => self.fill(arena, region, &Flat(SKY)),
             (Seen::Nothing, Show::Cells) => self.fill(arena, region, &Flat(AROUND)),
             (Seen::Unsure, _) => self.doubt(arena, region),
+        }
+    }
+}
+
+/// Draws triangles in a region, in a cell.
+struct Pencil<'c, 'a> {
+    tables: &'a Views,
+    kernels: Kernels,
+    show: Show,
+    cover: &'c mut Cover<'a>,
+    looks: &'a Looks,
+    square: [f32; 5],
+    screen: Screen,
+    arena: &'c Arena,
+    region: &'c Region,
+    cell: u32,
+    triangles: &'c mut u64,
+}
+
+impl Pen for Pencil<'_, '_> {
+    fn hides(&mut self, place: &Place) -> bool {
+        self.cover.hides(place.columns, place.rows, place.near)
+    }
+
+    fn draw(&mut self, drawn: &Drawn) {
+        *self.triangles += 1;
+        let (rows, deep) = (drawn.rows, &drawn.deep);
+        let (kernels, borders) = (self.kernels, borders_of(self.arena, self.region, rows));
+        match self.show {
+            Show::Light => {
+                let grows = self.screen.along(drawn.normal).map(|c| c as f32);
+                let color = self.looks.of(self.tables, drawn.triangle);
+                let shading = Shading { grows, square: self.square, color };
+                kernels.draw(borders, self.cover, rows, deep, &shading);
+            }
+            Show::Surfaces => kernels.draw(borders, self.cover, rows, deep, &Flat(drawn.triangle)),
+            Show::Cells => kernels.draw(borders, self.cover, rows, deep, &Flat(self.cell)),
         }
     }
 }

@@ -1,10 +1,16 @@
 //! The loops of `kernels`, compiled for what the CPU has.
 #![allow(unsafe_code)]
 
-use super::kernels::{self, Cover, Deep, Kernels, Tint};
+use glam::Vec3;
+
+use super::cover::Cover;
+use super::kernels::{self, Deep, Kernels, Tint};
+use super::rows::Region;
+use super::sight::{Boxes, Places, Sight};
 use super::wide::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
+use crate::format::records::{BlockRecord, NodeRecord};
 use crate::packets::Band;
 use crate::trace::Kernel;
 
@@ -25,7 +31,7 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         pub(super) fn fill<T: super::kernels::Tint>(
             borders: [&[i32]; 2],
-            cover: &mut super::kernels::Cover<'_>,
+            cover: &mut super::cover::Cover<'_>,
             first: i32,
             tint: &T,
         ) {
@@ -35,7 +41,7 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         pub(super) fn draw<T: super::kernels::Tint>(
             borders: [&[i32]; 2],
-            cover: &mut super::kernels::Cover<'_>,
+            cover: &mut super::cover::Cover<'_>,
             rows: [i32; 2],
             deep: &super::kernels::Deep,
             tint: &T,
@@ -44,8 +50,28 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::kernels::Cover<'_>, first: i32) -> bool {
+        pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::cover::Cover<'_>, first: i32) -> bool {
             super::kernels::is_taken::<$wide>(borders, cover, first)
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn boxes(
+            sight: &super::sight::Sight,
+            node: &crate::format::records::NodeRecord,
+            region: &super::rows::Region,
+            frustum: &[glam::Vec3; 4],
+        ) -> super::sight::Boxes {
+            sight.of_boxes(node, region, frustum)
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn triangles(
+            sight: &super::sight::Sight,
+            block: &crate::format::records::BlockRecord,
+            region: &super::rows::Region,
+            frustum: &[glam::Vec3; 4],
+        ) -> (u32, super::sight::Places) {
+            sight.of_triangles(block, region, frustum)
         }
 
         #[target_feature(enable = $features)]
@@ -78,6 +104,44 @@ macro_rules! by_kernel {
         let _ = $kernel;
         kernels::$name::<Portable $(, $tint)?>($($argument),*)
     }};
+}
+
+/// Looks at eight boxes or triangles, by a function as it is compiled for a kernel; the last is what it does.
+macro_rules! look_by_kernel {
+    ($kernel:expr, $name:ident, $look:ident, ($sight:expr, $($argument:expr),*)) => {{
+        #[cfg(target_arch = "x86_64")]
+        match $kernel.extensions() {
+            // SAFETY: such a kernel is made only where the CPU has what this is compiled for.
+            [_, true] => return unsafe { avx512::$name($sight, $($argument),*) },
+            // SAFETY: as above.
+            [true, _] => return unsafe { avx2::$name($sight, $($argument),*) },
+            _ => {}
+        }
+        let _ = $kernel;
+        $sight.$look($($argument),*)
+    }};
+}
+
+#[inline]
+pub(super) fn boxes(
+    kernel: Kernel,
+    sight: &Sight,
+    node: &NodeRecord,
+    region: &Region,
+    frustum: &[Vec3; 4],
+) -> Boxes {
+    look_by_kernel!(kernel, boxes, of_boxes, (sight, node, region, frustum))
+}
+
+#[inline]
+pub(super) fn triangles(
+    kernel: Kernel,
+    sight: &Sight,
+    block: &BlockRecord,
+    region: &Region,
+    frustum: &[Vec3; 4],
+) -> (u32, Places) {
+    look_by_kernel!(kernel, triangles, of_triangles, (sight, block, region, frustum))
 }
 
 #[inline]

@@ -90,6 +90,7 @@ pub(crate) fn total(views: &[Camera], mut of: impl FnMut(&Camera) -> Differences
         sum.unwritten += one.unwritten;
         sum.ties += one.ties;
         sum.touching += one.touching;
+        sum.aside += one.aside;
         sum.flush += one.flush;
         sum.wrong.extend(one.wrong);
         sum
@@ -328,4 +329,63 @@ fn hits_are_those_of_rays() {
             assert!(others <= 20, "{name}: of {others} more than distance or normal differs");
         }
     }
+}
+
+/// From around the building, and from the air around it between its parts.
+fn outside_views(scene: &Scene) -> Vec<Camera> {
+    let [lo, hi] = scene.hull().map(DVec3::from);
+    let (middle, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+    let ways = [[1.7, 1.2, 0.6], [-1.3, 0.4, 2.5], [0.1, -1.6, 0.2], [0.0, 0.3, 3.0]];
+    let at = |way: [f64; 3]| {
+        Camera::look_at(
+            (middle + half * DVec3::from(way)).to_array(),
+            middle.to_array(),
+            [0.0, 0.1, 1.0],
+            60.0,
+        )
+    };
+    let mut views: Vec<Camera> = ways.into_iter().map(|way| at(way).unwrap()).collect();
+    // Beside the ground floor's walls.
+    for way in [[1.02, 0.3, -0.6], [-0.4, -1.03, -0.5]] {
+        let eye = middle + half * DVec3::from(way);
+        views.push(Camera::look_at(eye.to_array(), middle.to_array(), [0.0, 0.0, 1.0], 90.0).unwrap());
+    }
+    views
+}
+
+#[test]
+fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
+    for (name, scene) in scenes() {
+        let views = outside_views(&scene);
+        for kernel in Kernel::available() {
+            let mut beams = Beams::new(&scene).with_kernel(kernel);
+            beams.kept.is_cut_up = true;
+            let sum = sum(&mut beams, &views);
+            assert_eq!(sum.unwritten, 0, "{name}");
+            assert!(sum.ties * 20_000 <= sum.pixels, "{name}: {} ties of {}", sum.ties, sum.pixels);
+            assert!(sum.wrong.is_empty(), "{name}: {} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
+        }
+    }
+}
+
+#[test]
+fn within_closed_furniture_its_inside_is_seen() {
+    let scene = scene(&house(&HouseOptions::default()));
+    let backs = super::backs::Backs::new(&scene.tables);
+    let [width, height] = SIZE;
+    let (mut beams, mut within) = (Beams::new(&scene), 0);
+    for element in 0..scene.elements().count() as u32 {
+        let triangles = (0..scene.detail_triangle_count()).filter(|&t| scene.triangle_element(t) == element);
+        let corners: Vec<DVec3> = triangles.flat_map(|t| scene.triangle(t)).map(DVec3::from).collect();
+        let eye = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        if corners.is_empty() || !matches!(scene.locate(eye.to_array()), Place::Air { .. }) {
+            continue;
+        }
+        within += u32::from(backs.seen_from(&scene.tables, eye).is_within_any());
+        let camera = Camera::looking(eye.to_array(), [0.8, 0.5, -0.1], [0.0, 0.0, 1.0], 100.0).unwrap();
+        let differences = beams.differences(&camera, width, height);
+        assert_eq!(differences.unwritten, 0);
+        assert!(differences.wrong.is_empty(), "{element}: {:?}", differences.wrong[0]);
+    }
+    assert!(within > 3, "{within}");
 }

@@ -39,6 +39,8 @@ pub(crate) enum Seen {
 pub(crate) enum Triangles<'a> {
     /// All below a root.
     Below(u32),
+    /// The same, in most of the picture.
+    All(u32),
     /// Those around the prisms.
     Outer(&'a Outer),
 }
@@ -177,7 +179,7 @@ impl<'a, P: Paint> Walker<'a, P> {
     fn draw_around(&mut self, region: &Region, before: &[Plane]) {
         let triangles = match self.around {
             Around::Outer(outer) | Around::Entered(outer, _) => Triangles::Outer(outer),
-            Around::All(root) => Triangles::Below(root),
+            Around::All(root) => Triangles::All(root),
         };
         self.paint.detail(&self.space.arena, region, (AROUND, triangles), before);
     }

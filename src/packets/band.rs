@@ -8,10 +8,11 @@ use super::shot::{Shot, Show};
 use super::tree::{Node, Tree};
 use super::waiting::Waiting;
 use crate::beam::SKY_COLOR;
-use crate::beam::kernels::{Cover, Flat, Tint, put};
+use crate::beam::cover::Cover;
+use crate::beam::kernels::{Flat, Tint, put};
 use crate::beam::rows::{Arena, Region};
 use crate::beam::shade::{Canvas, SKY, SOURCE};
-use crate::beam::walk::{Paint, Seen, Triangles};
+use crate::beam::walk::{AROUND, Paint, Seen, Triangles};
 use crate::beam::wide::{ALL, WIDE, Wide};
 use crate::trace::NONE;
 
@@ -339,11 +340,13 @@ impl Band<'_, '_, '_> {
         let top = canvas.cover.top;
         for area in waiting.all() {
             let within = &tree.details[area.detail as usize];
+            let exits = &tree.exits[within.exits.clone()];
             let triangles = match within.root {
                 NONE => Triangles::Outer(shot.outer),
+                // From outside all triangles there are.
+                root if within.cell == AROUND && exits.is_empty() => Triangles::All(root),
                 root => Triangles::Below(root),
             };
-            let exits = &tree.exits[within.exits.clone()];
             area.draw(|first, parts| {
                 let there = || parts.iter().filter(|part| part[0] < part[1]);
                 let lo = there().map(|part| part[0]).min().unwrap_or(0);

@@ -21,9 +21,11 @@ use shot::{Shot, Show};
 use tree::Tree;
 use waiting::Waiting;
 
+use crate::beam::backs::Backs;
 use crate::beam::check::{UNWRITTEN, compare};
+use crate::beam::cover::Depths;
 use crate::beam::detail::Detail;
-use crate::beam::kernels::{Cover, Kernels};
+use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::Partings;
 use crate::beam::rays::Rays;
@@ -31,7 +33,6 @@ use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
 use crate::beam::walk::AROUND;
-use crate::beam::wide::WIDE;
 use crate::beam::{Differences, SKY_COLOR, Told, simd, stand, told};
 use crate::render::Camera;
 use crate::scene::Scene;
@@ -71,6 +72,7 @@ struct Kept {
     kernels: Kernels,
     partings: Partings,
     looks: Looks,
+    backs: Backs,
     /// Not in use.
     works: Mutex<Vec<Work>>,
     outer: Outer,
@@ -84,9 +86,7 @@ struct Work {
     root: u32,
     arena: Arena,
     waiting: Waiting,
-    near: Vec<[f32; WIDE]>,
-    touched: Vec<bool>,
-    rows: Vec<bool>,
+    depths: Depths,
     stack: Vec<Packet>,
     unsure: Vec<[i32; 3]>,
     counts: PacketCounts,
@@ -99,6 +99,7 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
             partings: Partings::new(scene.tables.cells.len()),
             looks: Looks::new(&scene.tables),
+            backs: Backs::new(&scene.tables),
             works: Mutex::new(Vec::new()),
             outer: Outer::new(&scene),
         };
@@ -163,17 +164,18 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         let stand = stand(&self.scene, camera, NONE);
         let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
-        let kept = &self.kept;
+        let (kept, internal) = (&self.kept, screen.internal(&prisms));
         let shot = Shot {
             number: self.shots,
             tables,
             prisms,
-            internal: screen.internal(&prisms),
+            internal,
             square: square(&screen),
             screen,
             kernels: kept.kernels,
             partings: &kept.partings,
             looks: &kept.looks,
+            hidden: kept.backs.seen_from(tables, internal.eye),
             width,
             show,
             start,
@@ -218,9 +220,9 @@ impl Kept {
 
 impl Work {
     fn new(cells: usize) -> Work {
-        let (near, touched, rows, stack, unsure, counts) = Default::default();
+        let (stack, unsure, counts) = Default::default();
         let (tree, arena, waiting) = (Tree::new(cells), Arena::new(), Waiting::new());
-        Work { tree, shot: 0, root: 0, arena, waiting, near, touched, rows, stack, unsure, counts }
+        Work { tree, shot: 0, root: 0, arena, waiting, depths: Depths::new(), stack, unsure, counts }
     }
 
     /// Makes a band of rows from the `first` on.
@@ -231,21 +233,8 @@ impl Work {
         }
         let width = shot.width as usize;
         let rows = pixels.len() / width;
-        // What is near holds only where it is touched.
-        self.near.resize(rows * Cover::blocks(width), [0.0; WIDE]);
-        self.touched.clear();
-        self.touched.resize(rows * Cover::blocks(width), false);
-        self.rows.clear();
-        self.rows.resize(rows, false);
         self.waiting.begin(rows);
-        let cover = Cover {
-            width,
-            top: first,
-            pixels,
-            near: &mut self.near,
-            touched: &mut self.touched,
-            rows: &mut self.rows,
-        };
+        let cover = self.depths.cover(width, first, pixels);
         let canvas = Canvas {
             tables: shot.tables,
             kernels: shot.kernels,
@@ -255,7 +244,7 @@ impl Work {
             square: shot.square,
             sky: SKY_COLOR,
             unsure: &mut self.unsure,
-            detail: &mut Detail::new(shot.tables, shot.internal),
+            detail: &mut Detail::new(shot.tables, shot.internal, &shot.hidden),
             triangles: 0,
             spans: 0,
         };

@@ -1,5 +1,6 @@
 //! A picture under way: what is the same for all its packets.
 
+use crate::beam::backs::Hidden;
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::{By, Partings};
@@ -33,6 +34,7 @@ pub(super) struct Shot<'s> {
     pub(super) square: [f32; 5],
     pub(super) partings: &'s Partings,
     pub(super) looks: &'s Looks,
+    pub(super) hidden: Hidden<'s>,
     pub(super) width: u32,
     pub(super) show: Show,
     /// The cell of the eye; none in a solid.
