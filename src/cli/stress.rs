@@ -39,6 +39,9 @@ pub struct Arguments {
     /// The index of the first ray of each trial and family: with one trial, one family and --rays 1, as a report told it, that ray alone.
     #[arg(long, value_name = "INDEX", default_value_t = 0)]
     first: u64,
+    /// Pictures by beams, and by packets, for each trial and family, from where its first rays start.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pictures: u64,
     /// Bad answers that are told in full, for each trial and family.
     #[arg(long, value_name = "N", default_value_t = 3)]
     cases: usize,
@@ -67,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     options.trials = arguments.trials.clone();
     options.families = arguments.families.clone();
     options.seed = arguments.seed;
+    options.pictures = arguments.pictures;
     (options.first, options.cases) = (arguments.first, arguments.cases);
     let names: Vec<String> = options.chosen().into_iter().map(|trial| trial.name).collect();
     if names.is_empty() {

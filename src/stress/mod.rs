@@ -10,6 +10,8 @@
 
 mod block;
 mod judge;
+#[cfg(feature = "render")]
+mod pictures;
 mod rays;
 mod report;
 pub(crate) mod shape;
@@ -17,6 +19,8 @@ mod trials;
 
 use enfilade_importers::{Cancelled, Untagged, Watch};
 
+#[cfg(feature = "render")]
+pub use pictures::PictureRow;
 pub use rays::Family;
 pub use report::{Counts, StressCase, StressReport, StressRow};
 pub use trials::{Trial, trials};
@@ -45,6 +49,8 @@ pub struct StressOptions {
     pub seed: u64,
     /// The index of the first ray of each trial and family: with [`StressOptions::rays`] of 1 it is sent alone. Default 0.
     pub first: u64,
+    /// Pictures by beams, and by packets, for each trial and family, from where the first rays start: with the feature `render`. Default none.
+    pub pictures: u64,
     /// Bad answers that are reported in full, for each trial and family. Default 3.
     pub cases: usize,
     /// Progress and cancellation.
@@ -60,6 +66,7 @@ impl Default for StressOptions {
             families: Vec::new(),
             seed: 1,
             first: 0,
+            pictures: 0,
             cases: 3,
             watch: Watch::default(),
         }
@@ -97,6 +104,8 @@ pub fn stress(options: &StressOptions) -> Result<StressReport, Cancelled> {
         refused: Vec::new(),
         rows: Vec::new(),
         cases: Vec::new(),
+        #[cfg(feature = "render")]
+        pictures: Vec::new(),
     };
     for (number, trial) in trials.iter().enumerate() {
         options.watch.check()?;
@@ -164,6 +173,19 @@ fn run(
             cells: scene.cells().len() as u64,
             counts: found.counts,
         });
+    }
+    #[cfg(feature = "render")]
+    if options.pictures > 0 {
+        options.watch.report(&format!("{} pictures", trial.name), 0.999);
+        let source = Source::new(&scene, &truth, trial.inside, options.seed);
+        let which = (options.first, options.pictures);
+        report.pictures.extend(pictures::pictures(
+            (&trial.name, &scene),
+            &source,
+            families,
+            which,
+            options.cases,
+        ));
     }
     Ok(())
 }

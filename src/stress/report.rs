@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+#[cfg(feature = "render")]
+use super::pictures::PictureRow;
 use super::rays::Family;
 
 /// Counts of rays and of what was bad about them.
@@ -121,12 +123,23 @@ pub struct StressReport {
     pub rows: Vec<StressRow>,
     /// The first bad answers of each row.
     pub cases: Vec<StressCase>,
+    /// Pictures, trial by trial, by beams and by packets.
+    #[cfg(feature = "render")]
+    pub pictures: Vec<PictureRow>,
 }
 
 impl StressReport {
     /// Whether nothing was bad.
     pub fn passed(&self) -> bool {
-        self.total.bad() == 0 && self.refused.is_empty() && self.total.rays > 0
+        self.total.bad() == 0 && self.bad_pictures() == 0 && self.refused.is_empty() && self.total.rays > 0
+    }
+
+    /// Bad pixels and pictures.
+    fn bad_pictures(&self) -> u64 {
+        #[cfg(feature = "render")]
+        return self.pictures.iter().map(PictureRow::bad).sum();
+        #[cfg(not(feature = "render"))]
+        0
     }
 
     /// As text: the sums over trials, then over families, then what is bad.
@@ -186,6 +199,8 @@ impl StressReport {
         };
         sums("trial", &|row| row.trial.clone());
         sums("rays", &|row| row.family.name().to_owned());
+        #[cfg(feature = "render")]
+        out.push_str(&super::pictures::text(&self.pictures));
         for (trial, why) in &self.refused {
             let _ = writeln!(out, "{trial} could not be compiled: {why}");
         }
@@ -203,6 +218,9 @@ impl StressReport {
         let bad = self.total.bad();
         let _ = match (bad, self.refused.len()) {
             _ if self.total.rays == 0 => writeln!(out, "failed: no rays were sent"),
+            (0, 0) if self.bad_pictures() > 0 => {
+                writeln!(out, "failed: {} bad pixels of pictures", self.bad_pictures())
+            }
             (0, 0) => writeln!(out, "passed: {} rays, nothing bad", self.total.rays),
             (bad, refused) => writeln!(out, "failed: {bad} bad answers, {refused} trials not compiled"),
         };

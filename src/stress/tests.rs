@@ -265,3 +265,18 @@ fn a_segment_that_ends_before_matter_is_not_in_doubt_about_it() {
     seeded(6, "house-damaged", Family::Surfaces, 3038);
     seeded(6, "house-damaged", Family::Surfaces, 3240);
 }
+
+#[cfg(feature = "render")]
+#[test]
+fn pictures_from_hard_places_show_what_rays_meet() {
+    let names = ["scaled-1e1", "turned-0", "thin-walls", "slivers", "needles"].map(str::to_owned);
+    let options = StressOptions { rays: 1, pictures: 1, trials: names.to_vec(), ..StressOptions::default() };
+    let report = stress(&options).unwrap();
+    let ways: Vec<_> = report.pictures.iter().map(|row| (row.trial.as_str(), row.way)).collect();
+    assert!(ways.contains(&("turned-0", "beams")) && ways.contains(&("turned-0", "packets")), "{ways:?}");
+    for row in &report.pictures {
+        assert!(row.pixels > 10_000 && row.to_rays < row.pixels, "{row:?}");
+        assert_eq!(row.bad(), 0, "{row:?}");
+    }
+    assert!(report.text().contains("unwritten"), "{}", report.text());
+}
