@@ -144,7 +144,7 @@ fn opening_is_the_inverse_of_writing() {
 fn the_file_is_laid_out_as_documented() {
     let file = house();
     assert_eq!(&file[..8], b"\x89ENF\r\n\x1a\n");
-    assert_eq!((enf::u32_at(file, 8), enf::u32_at(file, 12)), (6, 0x0A0B_0C0D));
+    assert_eq!((enf::u32_at(file, 8), enf::u32_at(file, 12)), (7, 0x0A0B_0C0D));
     assert_eq!((enf::u64_at(file, 16), enf::u64_at(file, 24)), (0, file.len() as u64));
     assert_eq!(file[36..56], [0; 20]);
     let mut sealed = file.to_vec();
@@ -200,7 +200,7 @@ fn missing_sections_and_new_versions_are_refused() {
         enf::seal_header(&mut file);
         Scene::from_bytes(&file).map(|_| ()).unwrap_err()
     };
-    assert!(matches!(changed(8, &[1]), FormatError::Version { found: 1, known: 6 }));
+    assert!(matches!(changed(8, &[1]), FormatError::Version { found: 1, known: 7 }));
     assert!(matches!(changed(16, &[4]), FormatError::Features(4)));
     assert!(matches!(changed(12, &[0x0A, 0x0B, 0x0C, 0x0D]), FormatError::Endianness));
     assert!(matches!(changed(0, b"x"), FormatError::Magic));
@@ -220,6 +220,10 @@ fn parts_that_lie_over_each_other_are_refused() {
     // The second volume gets all triangles from the first one's first on.
     let error = changed("volumes", 1, 56, &[0; 4]);
     assert_eq!(error, "section 'volumes', item 1: it shares triangles with one before");
+
+    // A run of triangles faces somewhere that is not known.
+    let error = changed("runs", 0, 16, &[3]);
+    assert!(error.starts_with("section 'runs', item 0: ") && error.contains("facing: 3"), "{error}");
 
     // The first cube with two volumes gets the first of them twice.
     let start =
