@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use enfilade::Scene;
+use enfilade::beam::BeamCounts;
 use enfilade::importers::Frame;
 use enfilade::render::{
     Camera, ColorMode, Picture, RenderOptions, auto_view, numbered, outside_view, parse_cameras, render,
@@ -65,7 +66,10 @@ pub struct Arguments {
     /// The frame of --eye, --target, --up and --cams, and of what OpenEXR layers hold.
     #[arg(long, value_enum, default_value = "source")]
     frame: FrameName,
-    /// Print the views and times as JSON.
+    /// Tell to stderr what of the scene each picture touched: cells, parts of rows, triangles, and pixels left to rays.
+    #[arg(long)]
+    stats: bool,
+    /// Print the views and times as JSON, and what --stats tells.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -104,6 +108,46 @@ struct Shot {
     direction: [f64; 3],
     vfov_degrees: f64,
     seconds: f64,
+    /// What it took beams; none where each pixel's ray was traced.
+    touched: Option<Touched>,
+}
+
+/// What a picture touched.
+#[derive(Serialize)]
+struct Touched {
+    /// Cells, each as often as a beam came through.
+    cells: u64,
+    /// Cells of the scene.
+    of_cells: usize,
+    /// Parts of rows.
+    parts: u64,
+    /// Triangles drawn.
+    triangles: u64,
+    /// Triangles of the scene.
+    of_triangles: u32,
+    /// Pixels left to rays.
+    to_rays: u64,
+}
+
+impl Touched {
+    fn new(scene: &Scene, counts: BeamCounts) -> Touched {
+        Touched {
+            cells: counts.cells,
+            of_cells: scene.cells().len(),
+            parts: counts.spans,
+            triangles: counts.triangles,
+            of_triangles: scene.detail_triangle_count(),
+            to_rays: counts.unsure,
+        }
+    }
+
+    fn text(&self) -> String {
+        let Touched { cells, of_cells, parts, triangles, of_triangles, to_rays } = self;
+        format!(
+            "beams came {cells} times through cells, of which there are {of_cells}; {parts} parts of rows, {triangles} triangles drawn of \
+             {of_triangles}; {to_rays} pixels left to rays"
+        )
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
@@ -141,6 +185,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
                 direction: frame.direction_to_source(camera.forward()),
                 vfov_degrees: camera.vfov_degrees(),
                 seconds,
+                touched: picture.beams().map(|counts| Touched::new(&scene, counts)),
             });
         }
         if arguments.json {
@@ -150,6 +195,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             for shot in &shots {
                 let [x, y, z] = shot.eye;
                 eprintln!("{}: from ({x:.3} {y:.3} {z:.3}), {:.1} ms", shot.file, shot.seconds * 1e3);
+            }
+        }
+        if arguments.stats {
+            for shot in &shots {
+                let touched = shot.touched.as_ref().map_or("a ray for each pixel".to_owned(), Touched::text);
+                eprintln!("{}: {touched}", shot.file);
             }
         }
         Ok(Outcome::Fine)

@@ -105,7 +105,7 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     options.watch.check()?;
     // Steps are those of rays, and in solids there are no beams.
     let by_beams = options.color != ColorMode::Cost && !matches!(place, Place::InSolid(_));
-    let told = by_beams.then(|| Beams::new(scene).tell(camera, width, height).0);
+    let (told, beams) = by_beams.then(|| Beams::new(scene).tell(camera, width, height)).unzip();
     let job = Job {
         told,
         scene,
@@ -132,7 +132,7 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
         Place::InSolid(element) if pixels.iter().all(Pixel::is_in_solid) => Some(element),
         _ => None,
     };
-    Ok(Picture { width, height, mode: options.color, scale, in_solid, pixels })
+    Ok(Picture { width, height, mode: options.color, scale, in_solid, beams, pixels })
 }
 
 /// One picture under way.

@@ -1,6 +1,7 @@
 //! A picture, with what each of its rays met.
 
 use super::color::ColorMode;
+use crate::beam::BeamCounts;
 use crate::trace::{Hit, NONE};
 
 /// What one ray met, and the colour made of it. Lengths are metres, axes internal.
@@ -66,10 +67,16 @@ pub struct Picture {
     pub(super) mode: ColorMode,
     pub(super) scale: Option<[f64; 2]>,
     pub(super) in_solid: Option<u32>,
+    pub(super) beams: Option<BeamCounts>,
     pub(super) pixels: Vec<Pixel>,
 }
 
 impl Picture {
+    /// What it took beams to tell what the pixels show, of which [`BeamCounts::unsure`] were left to rays; `None` where each pixel's ray was traced.
+    pub fn beams(&self) -> Option<BeamCounts> {
+        self.beams
+    }
+
     /// Pixels in a row.
     pub fn width(&self) -> u32 {
         self.width

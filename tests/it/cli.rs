@@ -217,6 +217,17 @@ fn several_views_are_numbered_frames() {
     assert_eq!(shots[1]["eye"], serde_json::json!([2.5, 1.6, -3.0]));
     assert!(folder.read(files[0]) != folder.read(files[1]));
 
+    for shot in shots.as_array().unwrap() {
+        let touched = |what: &str| shot["touched"][what].as_u64().unwrap();
+        assert!((1..=touched("of_cells")).contains(&touched("cells")), "{shot}");
+        assert!(touched("triangles") < touched("of_triangles") && touched("parts") >= 16, "{shot}");
+        assert!(touched("to_rays") < 16, "{shot}");
+    }
+    let cost = [&walk[..], &["--color", "cost"]].concat();
+    assert!(folder.run(&cost).expect(0).json()[0]["touched"].is_null());
+    let told = folder.run(&["render", "house.enf", "-o", "a.png", "--size", "16x16", "--stats"]).expect(0);
+    assert!(told.err.contains("pixels left to rays"), "{}", told.err);
+
     let rooms = ["render", "house.enf", "-o", "room.exr", "--view", "rooms", "--size", "8x8", "--json"];
     let shots = folder.run(&rooms).expect(0).json();
     let shots = shots.as_array().unwrap();
