@@ -157,13 +157,10 @@ mod tests {
         let size = a.dot(sides[0]);
         let plane = (sides[0] + sides[1] + sides[2]) / size;
         let mut rows = [TOP, TOP + SIZE[1] as i32];
-        let mut bounds = [Bound::NONE; Deep::BOUNDS];
-        for (bound, side) in bounds.iter_mut().zip(sides) {
-            *bound = Bound::new(side * size.signum(), &mut rows);
-        }
+        let bounds = sides.map(|side| Bound::new(side * size.signum(), &mut rows)).to_vec();
         let nearest = near.into_iter().fold(0.0, f64::max) * (1.0 + 1e-6);
         let is_there = size != 0.0 && plane.is_finite() && rows[0] < rows[1];
-        is_there.then(|| (rows, Deep { bounds, count: 3, near: plane.to_array(), nearest }))
+        is_there.then(|| (rows, Deep { bounds, near: plane.to_array(), nearest }))
     }
 
     /// All rows reach from end to end.

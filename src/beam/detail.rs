@@ -96,7 +96,7 @@ pub(crate) struct Drawn {
 impl Drawn {
     /// Of nothing yet.
     fn new() -> Drawn {
-        let deep = Deep { bounds: [Bound::NONE; Deep::BOUNDS], count: 0, near: [0.0; 3], nearest: 0.0 };
+        let deep = Deep { bounds: Vec::new(), near: [0.0; 3], nearest: 0.0 };
         Drawn { triangle: u32::MAX, rows: [0; 2], normal: DVec3::ZERO, deep }
     }
 }
@@ -294,19 +294,15 @@ impl<'a> Detail<'a> {
         let sign = size.signum();
         let near = (sides[0] + sides[1] + sides[2]) / size;
         let bounds = &mut drawn.deep.bounds;
-        for (bound, side) in bounds.iter_mut().zip(sides) {
-            *bound = Bound::new(side * sign, &mut rows);
+        bounds.clear();
+        for side in sides {
+            bounds.push(Bound::new(side * sign, &mut rows));
         }
-        let mut count = 3;
         for exit in exits.iter().filter(|exit| exit.is_exit()) {
             let grows = DVec3::from(exit.grows);
             let limit = OUTSIDE * exit.size;
             if [a, b, c].iter().any(|&v| exit.away + grows.dot(v) > limit) {
-                if count == Deep::BOUNDS {
-                    break;
-                }
-                bounds[count] = Bound::new(near + grows / exit.away, &mut rows);
-                count += 1;
+                bounds.push(Bound::new(near + grows / exit.away, &mut rows));
             }
         }
         if rows[0] >= rows[1] {
@@ -315,7 +311,6 @@ impl<'a> Detail<'a> {
         drawn.triangle = triangle;
         drawn.rows = rows;
         drawn.normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
-        drawn.deep.count = count;
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
         pen.draw(drawn);

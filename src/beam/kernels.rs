@@ -194,17 +194,12 @@ impl Bound {
 
 /// A triangle, ready to be drawn.
 pub(super) struct Deep {
-    pub(super) bounds: [Bound; Deep::BOUNDS],
-    /// How many bounds there are.
-    pub(super) count: usize,
+    /// Its sides, and where rays have left before.
+    pub(super) bounds: Vec<Bound>,
     /// `1 / t`: how it grows with column and row, and in the first pixel.
     pub(super) near: [f64; 3],
     /// The greatest that it may be.
     pub(super) nearest: f64,
-}
-
-impl Deep {
-    pub(super) const BOUNDS: usize = 8;
 }
 
 /// A triangle must be nearer by this share to be seen before another: surfaces that lie on each other show the one that comes first in
@@ -329,7 +324,7 @@ pub(super) fn draw<W: Wide, T: Tint>(
         let count = (ROWS as i32 - (row - cover.top) % ROWS as i32).min(rows[1] - row);
         let from = (row - rows[0]) as usize;
         let mut borders = [LinesOf::<W>::splat(-FARTHEST), LinesOf::<W>::splat(FARTHEST)];
-        for bound in &deep.bounds[..deep.count] {
+        for bound in &deep.bounds {
             LinesOf::<W>::narrow(
                 &mut borders,
                 LinesOf::<W>::new(bound.slope, bound.start, row),

@@ -226,7 +226,7 @@ impl Sight {
                 // Rounded up both.
                 let up = |x: f32| {
                     let down = x as i32;
-                    down + i32::from((down as f32) < x)
+                    down.saturating_add(i32::from((down as f32) < x))
                 };
                 let (from, end) = (up(least), up(most).min(limits[1]));
                 is_there &= from < end;

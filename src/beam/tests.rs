@@ -360,6 +360,17 @@ fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
         for kernel in Kernel::available() {
             let mut beams = Beams::new(&scene).with_kernel(kernel);
             beams.kept.is_cut_up = true;
+            for camera in views.iter().take(2) {
+                let (mut hits, mut expected) = (vec![Hit::ESCAPED; 1200], vec![Hit::ESCAPED; 1200]);
+                beams.hits(camera, 40, Want::default(), &mut hits);
+                let rays: Vec<Ray> = super::told::pixels(camera, 40, 30).map(|(_, ray)| ray).collect();
+                scene.trace_many(&rays, &mut expected, Want::default());
+                let is_same = |(a, b): &(&Hit, &Hit)| {
+                    a.element == b.element && (a.t == b.t || (a.t - b.t).abs() < 1e-9)
+                };
+                let same = hits.iter().zip(&expected).filter(is_same).count();
+                assert!(same >= 1198, "{name}: {same} of 1200 hits are those of rays");
+            }
             let sum = sum(&mut beams, &views);
             assert_eq!(sum.unwritten, 0, "{name}");
             assert!(sum.ties * 20_000 <= sum.pixels, "{name}: {} ties of {}", sum.ties, sum.pixels);
@@ -388,4 +399,24 @@ fn within_closed_furniture_its_inside_is_seen() {
         assert!(differences.wrong.is_empty(), "{element}: {:?}", differences.wrong[0]);
     }
     assert!(within > 3, "{within}");
+}
+
+/// A triangle that reaches out of a cell through more of its sides than a few.
+#[test]
+fn what_reaches_out_of_a_round_room_is_seen_in_it_only() {
+    let mut model = round_room(&RoundRoomOptions::default()).export(&Style::default()).to_model().unwrap();
+    let all = model.elements.iter().flat_map(|element| &element.mesh.positions).map(|p| DVec3::from(*p));
+    let (lo, hi) = all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (middle, size) = ((lo + hi) / 2.0, (hi - lo).max_element());
+    let mut curtain = model.elements[0].clone();
+    (curtain.id, curtain.semantic) = ("curtain".into(), Semantic::Furniture);
+    let corners = [[-3.0, 0.07, -2.0], [3.0, 0.09, -2.0], [0.3, 0.08, 4.0]];
+    curtain.mesh.positions = corners.map(|corner| (middle + DVec3::from(corner) * size).to_array()).to_vec();
+    curtain.mesh.triangles = vec![[0, 1, 2]];
+    curtain.mesh.materials.truncate(1);
+    model.elements.push(curtain);
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let sum = sum(&mut Beams::new(&scene), &views(&scene, 12));
+    assert_eq!(sum.unwritten, 0);
+    assert!(sum.wrong.is_empty(), "{} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
 }

@@ -14,7 +14,11 @@ pub(crate) struct Told {
 impl Told {
     /// What the ray of a pixel, which is `ray`, meets; `None` where beams do not tell.
     pub(crate) fn hit(&self, scene: &Scene, index: usize, ray: &Ray, want: Want) -> Option<Hit> {
+        // Where all triangles are drawn, not cell by cell, the cells may be in doubt where the triangles are not.
         let cell = self.cells[index];
+        if cell as usize >= scene.tables.cells.len() {
+            return None;
+        }
         match Surface::of(self.surfaces[index]) {
             Surface::Sky => Some(Hit::ESCAPED),
             Surface::Unsure => None,

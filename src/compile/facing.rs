@@ -18,7 +18,7 @@ const DEEP: f64 = 1e-7;
 const MOST_PAIRS: usize = 256;
 
 /// So many times a triangle is looked at to tell what lies on either side of the patches of a component.
-const MOST_LOOKS: usize = 1 << 22;
+const MOST_LOOKS: usize = 1 << 20;
 
 /// To which side the triangles of a component look, if from outside one side hides the other.
 pub(super) fn facing(mesh: &Mesh, component: &Component) -> Facing {
