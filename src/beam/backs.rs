@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::shade::Looks;
 use crate::format::Views;
 use crate::format::records::{Facing, RunRecord};
 use crate::trace::{NONE, crossings};
@@ -22,19 +23,22 @@ pub(crate) struct Backs {
 }
 
 impl Backs {
-    pub(crate) fn new(tables: &Views) -> Backs {
+    /// Of what is seen through, that has these looks, both sides show.
+    pub(crate) fn new(tables: &Views, looks: &Looks) -> Backs {
         let side = |facing: u32| match Facing::of(facing) {
             Some(Facing::Outward) => -1,
             Some(Facing::Inward) => 1,
             _ => 0,
         };
-        let hidden: Vec<i8> = tables.runs.iter().map(|run| side(run.facing)).collect();
         let same = |a: &RunRecord, b: &RunRecord| (a.element, a.facing) == (b.element, b.facing);
-        let (mut groups, mut first) = (Vec::new(), 0);
+        let (mut groups, mut first, mut hidden) = (Vec::new(), 0, Vec::new());
         for group in tables.runs.chunk_by(same) {
             let runs = first..first + group.len() as u32;
             first = runs.end;
-            if side(group[0].facing) != 0 {
+            let is_glass = group.iter().any(|run| looks.pane(run.material).is_some());
+            let side = if is_glass { 0 } else { side(group[0].facing) };
+            hidden.resize(first as usize, side);
+            if side != 0 {
                 let bounds = bounds(tables, &runs);
                 groups.push((runs, bounds));
             }

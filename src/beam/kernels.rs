@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::cover::Cover;
+use super::glass::{Layer, Layers};
 use super::rows::Region;
 use super::shade::Shading;
 use super::sight::{Boxes, Places, Sight};
@@ -46,6 +47,31 @@ impl Kernels {
         tint: &T,
     ) {
         simd::draw(self.0, borders, cover, rows, deep, tint);
+    }
+
+    /// Notes a triangle that is seen through as a layer, in the same rows.
+    #[inline]
+    pub(super) fn glaze(
+        self,
+        borders: [&[i32]; 2],
+        cover: &mut Cover<'_>,
+        rows: [i32; 2],
+        deep: &Deep,
+        layer: (Layer, &mut Layers),
+    ) {
+        simd::glaze(self.0, borders, cover, rows, deep, layer);
+    }
+
+    /// Mixes what is seen through layers into the pixels behind them.
+    #[inline]
+    pub(super) fn melt(
+        self,
+        layers: &mut Layers,
+        cover: &mut Cover<'_>,
+        square: &[f32; 5],
+        unsure: &mut Vec<[i32; 3]>,
+    ) {
+        simd::melt(self.0, layers, cover, square, unsure);
     }
 
     /// Which of the children of a node show in a region, which has this frustum, and where.
@@ -312,16 +338,50 @@ fn is_row_taken<W: Wide>(cover: &Cover<'_>, row: i32, [lo, hi]: [i32; 2]) -> boo
 
 #[inline(always)]
 pub(super) fn draw<W: Wide, T: Tint>(
-    [lo, hi]: [&[i32]; 2],
+    borders: [&[i32]; 2],
     cover: &mut Cover<'_>,
     rows: [i32; 2],
     deep: &Deep,
     tint: &T,
 ) {
+    follow::<W>(borders, cover.top, rows, deep, &mut Drawing { cover, deep, tint });
+}
+
+#[inline(always)]
+pub(super) fn glaze<W: Wide>(
+    borders: [&[i32]; 2],
+    cover: &mut Cover<'_>,
+    rows: [i32; 2],
+    deep: &Deep,
+    (layer, layers): (Layer, &mut Layers),
+) {
+    layers.begin(layer);
+    follow::<W>(borders, cover.top, rows, deep, &mut Glazing { cover, deep, layers });
+}
+
+#[inline(always)]
+pub(super) fn melt<W: Wide>(
+    layers: &mut Layers,
+    cover: &mut Cover<'_>,
+    square: &[f32; 5],
+    unsure: &mut Vec<[i32; 3]>,
+) {
+    layers.melt::<W>(cover, square, unsure);
+}
+
+/// What becomes of a triangle in the rows of tiles.
+trait Ink {
+    /// Those rows of one row of tiles that are `there`, row i after `row` as bit i, between their borders.
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [[i32; ROWS]; 2]);
+}
+
+/// Follows a triangle through some rows of the picture, the first of all being `top`.
+#[inline(always)]
+fn follow<W: Wide>([lo, hi]: [&[i32]; 2], top: i32, rows: [i32; 2], deep: &Deep, ink: &mut impl Ink) {
     let mut row = rows[0];
     while row < rows[1] {
         // As many as are in one row of tiles.
-        let count = (ROWS as i32 - (row - cover.top) % ROWS as i32).min(rows[1] - row);
+        let count = (ROWS as i32 - (row - top) % ROWS as i32).min(rows[1] - row);
         let from = (row - rows[0]) as usize;
         let mut borders = [LinesOf::<W>::splat(-FARTHEST), LinesOf::<W>::splat(FARTHEST)];
         for bound in &deep.bounds {
@@ -337,7 +397,7 @@ pub(super) fn draw<W: Wide, T: Tint>(
         // Rows after the last are not of this triangle.
         let there = lo.less(hi) & (u32::MAX >> (32 - count));
         if there != 0 {
-            draw_tiles::<W, T>(cover, row, there, [lo.store(), hi.store()], deep, tint);
+            ink.tiles::<W>(row, there, [lo.store(), hi.store()]);
         }
         row += count;
     }
@@ -345,6 +405,51 @@ pub(super) fn draw<W: Wide, T: Tint>(
 
 /// All rows of a tile, row i as bit i.
 const EIGHT: u32 = 0xff;
+
+/// Draws a triangle.
+struct Drawing<'d, 'c, T> {
+    cover: &'d mut Cover<'c>,
+    deep: &'d Deep,
+    tint: &'d T,
+}
+
+impl<T: Tint> Ink for Drawing<'_, '_, T> {
+    #[inline(always)]
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [[i32; ROWS]; 2]) {
+        draw_tiles::<W, T>(self.cover, row, there, borders, self.deep, self.tint);
+    }
+}
+
+/// Notes a triangle as a layer.
+struct Glazing<'d, 'c> {
+    cover: &'d Cover<'c>,
+    deep: &'d Deep,
+    layers: &'d mut Layers,
+}
+
+impl Ink for Glazing<'_, '_> {
+    #[inline(always)]
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, [lo, hi]: [[i32; ROWS]; 2]) {
+        let Glazing { cover, deep, layers } = self;
+        let (blocks, below) = (Cover::blocks(cover.width), (row - cover.top) as usize);
+        let step = W::splat(deep.near[0] as f32);
+        for i in (0..ROWS).filter(|i| there >> i & 1 != 0) {
+            let start = deep.near[1] * f64::from(row + i as i32) + deep.near[2];
+            for block in lo[i] as usize / WIDE..=(hi[i] as usize - 1) / WIDE {
+                let at = (below + i) * blocks + block;
+                let first = (deep.near[0] * (block * WIDE) as f64 + start) as f32;
+                let mut mask = between(block, lo[i], hi[i]);
+                if cover.touched[at] {
+                    let near = W::count().mul_add(step, W::splat(first));
+                    mask &= near.greater(W::load(&cover.near[at]));
+                }
+                if mask != 0 {
+                    layers.add(at, first, mask);
+                }
+            }
+        }
+    }
+}
 
 /// Draws a triangle in those rows of one row of tiles that are `there`, row i after `row` as bit i, between their borders.
 #[inline(always)]

@@ -11,6 +11,7 @@ pub(crate) mod backs;
 pub(crate) mod check;
 pub(crate) mod cover;
 pub(crate) mod detail;
+pub(crate) mod glass;
 mod hull;
 pub(crate) mod kernels;
 pub(crate) mod outer;
@@ -34,6 +35,7 @@ use backs::{Backs, Hidden};
 pub use check::Differences;
 use cover::Depths;
 use detail::Detail;
+use glass::Layers;
 use hull::Hull;
 use kernels::Kernels;
 use outer::Outer;
@@ -109,6 +111,7 @@ struct Kept {
 struct Work {
     space: Space,
     depths: Depths,
+    layers: Layers,
     unsure: Vec<[i32; 3]>,
     counts: BeamCounts,
 }
@@ -130,15 +133,16 @@ struct Shot<'s> {
 impl<S: Deref<Target = Scene>> Beams<S> {
     /// For pictures of this scene.
     pub fn new(scene: S) -> Beams<S> {
+        let looks = Looks::new(&scene.tables);
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
         let kept = Kept {
             kernels: Kernels(kernel),
             partings: Partings::new(scene.tables.cells.len()),
-            looks: Looks::new(&scene.tables),
             works: Mutex::new(Vec::new()),
             outer: Outer::new(&scene),
             hull: Hull::new(),
-            backs: Backs::new(&scene.tables),
+            backs: Backs::new(&scene.tables, &looks),
+            looks,
             is_cut_up: is_cut_up(&scene),
         };
         Beams { scene, kept, last: NONE }
@@ -147,6 +151,15 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     /// The same by this kernel.
     pub fn with_kernel(mut self, kernel: Kernel) -> Beams<S> {
         self.kept.kernels = Kernels(kernel);
+        self
+    }
+
+    /// The same, with what is behind glass seen through it in [`Beams::paint`]: behind all that has a material that lets light pass, each triangle a layer
+    /// that hides a share and takes its colour, as in [`render`](crate::render::render). Else, and in all other pictures, what is seen first counts.
+    pub fn through_glass(mut self) -> Beams<S> {
+        let tables = &self.scene.tables;
+        self.kept.looks = Looks::through_glass(tables);
+        self.kept.backs = Backs::new(tables, &self.kept.looks);
         self
     }
 
@@ -297,7 +310,7 @@ impl Shot<'_> {
 impl Work {
     fn new() -> Work {
         let (unsure, counts) = Default::default();
-        Work { space: Space::new(), depths: Depths::new(), unsure, counts }
+        Work { space: Space::new(), depths: Depths::new(), layers: Layers::new(), unsure, counts }
     }
 
     /// Paints a band of rows from the `first` on.
@@ -306,6 +319,9 @@ impl Work {
         let rows = pixels.len() / width;
         let mut detail = Detail::new(tables, shot.internal, &shot.hidden);
         let cover = self.depths.cover(width, first, pixels);
+        if kept.looks.has_glass() && shot.show == Show::Light {
+            self.layers.resize(&cover);
+        }
         let mut canvas = Canvas {
             tables,
             kernels: kept.kernels,
@@ -314,6 +330,7 @@ impl Work {
             looks: &kept.looks,
             square: square(&shot.screen),
             sky: SKY_COLOR,
+            layers: &mut self.layers,
             unsure: &mut self.unsure,
             detail: &mut detail,
             triangles: 0,
@@ -338,6 +355,7 @@ impl Work {
             (&kept.partings, around),
         );
         walker.band(width as i32, [first, first + rows as i32], start);
+        canvas.melt();
         self.counts.spans += canvas.spans;
         self.counts.triangles += canvas.triangles;
         self.counts.cells += self.space.cells;

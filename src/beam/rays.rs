@@ -2,13 +2,17 @@
 
 use glam::DVec3;
 
+use super::glass::Passed;
 use super::shade::Looks;
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Hit, NONE, Ray, Starts, Want};
+use crate::trace::{Hit, NONE, Ray, Start, Starts, Want};
 
 /// What is seen from inside a solid: nothing.
 const IN_SOLID: u32 = 0xff80_8080;
+
+/// Layers that a ray may pass; the next one counts as opaque.
+const LAYERS: usize = 64;
 
 /// Rays that are traced together.
 const TOGETHER: usize = 4096;
@@ -43,19 +47,39 @@ impl Rays<'_> {
             let starts = self.start.map_or(Starts::Anywhere, Starts::Cell);
             self.scene.trace_many_of(starts, &rays, &mut hits, Want { triangle: true, ..Want::LEAST });
             for ((&at, ray), hit) in at.iter().zip(&rays).zip(&hits) {
-                pixels[at] = if hit.element == NONE { sky } else { self.pixel(ray, hit) };
+                pixels[at] = self.seen(ray, hit, sky);
             }
         }
+    }
+
+    /// What is seen where a ray met this first: through glass, if that is looked through.
+    fn seen(&self, ray: &Ray, first: &Hit, sky: u32) -> u32 {
+        let (mut hit, mut passed) = (*first, Passed::ALL);
+        for _ in 0..LAYERS {
+            if hit.element == NONE {
+                return passed.over(sky);
+            }
+            let Some(pane) = self.looks.pane(hit.material) else { break };
+            passed.pass(pane, cosine(ray, &hit) as f32);
+            let onward = Ray::new(hit.point, ray.direction);
+            let want = Want { triangle: true, ..Want::LEAST };
+            hit = self.scene.trace_from(Start::Hit(&hit), &onward, want);
+        }
+        passed.over(if hit.element == NONE { sky } else { self.pixel(ray, &hit) })
     }
 
     fn pixel(&self, ray: &Ray, hit: &Hit) -> u32 {
         if hit.triangle == NONE {
             return IN_SOLID;
         }
-        let direction = DVec3::from(ray.direction).normalize_or_zero();
-        let bright = direction.dot(DVec3::from(hit.normal)).abs().sqrt() as f32;
+        let bright = cosine(ray, hit).sqrt() as f32;
         let color = self.looks.of(&self.scene.tables, hit.triangle);
         let [red, green, blue] = color.map(|c| (c * bright).round().clamp(0.0, 255.0) as u32);
         red | green << 8 | blue << 16 | 0xff00_0000
     }
+}
+
+/// The cosine of the angle between a ray and the normal of what it met.
+fn cosine(ray: &Ray, hit: &Hit) -> f64 {
+    DVec3::from(ray.direction).normalize_or_zero().dot(DVec3::from(hit.normal)).abs()
 }

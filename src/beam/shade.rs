@@ -2,6 +2,7 @@
 
 use super::cover::Cover;
 use super::detail::{Detail, Drawn, Pen, borders_of};
+use super::glass::{Layer, Layers, Pane};
 use super::kernels::{Flat, Kernels, Tint};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
@@ -53,6 +54,8 @@ pub(crate) struct Canvas<'a, 'd> {
     pub(crate) looks: &'a Looks,
     pub(crate) square: [f32; 5],
     pub(crate) sky: u32,
+    /// What is seen through.
+    pub(crate) layers: &'a mut Layers,
     /// Parts of rows that rays must tell: the row, and from where up to where.
     pub(crate) unsure: &'a mut Vec<[i32; 3]>,
     pub(crate) detail: &'a mut Detail<'d>,
@@ -62,20 +65,50 @@ pub(crate) struct Canvas<'a, 'd> {
     pub(crate) spans: u64,
 }
 
-/// The colours of materials that face the lamp: red, green and blue, at most 255 each.
-pub(crate) struct Looks(Vec<[f32; 3]>);
+/// How materials look that face the lamp.
+pub(crate) struct Looks {
+    /// Red, green and blue, at most 255 each; the last is that of what has no material.
+    colors: Vec<[f32; 3]>,
+    /// Those that one sees through; empty where all count as opaque.
+    panes: Vec<Option<Pane>>,
+}
 
 impl Looks {
+    /// All opaque.
     pub(crate) fn new(tables: &Views) -> Looks {
         let look = |color: [f32; 3]| color.map(|c| 255.0 * to_srgb(c.clamp(0.0, 1.0)) * HEADLIGHT.sqrt());
         let looks = tables.materials.iter().map(|material| look(material.base_color));
-        Looks(looks.chain([look([1.0; 3])]).collect())
+        Looks { colors: looks.chain([look([1.0; 3])]).collect(), panes: Vec::new() }
+    }
+
+    /// Glass is seen through.
+    pub(super) fn through_glass(tables: &Views) -> Looks {
+        let looks = Looks::new(tables);
+        let panes = tables.materials.iter().zip(&looks.colors).map(|(look, &color)| Pane::new(look, color));
+        let panes: Vec<_> = panes.collect();
+        let is_glass = panes.iter().any(Option::is_some);
+        Looks { panes: if is_glass { panes } else { Vec::new() }, ..looks }
     }
 
     /// That of a triangle.
     pub(crate) fn of(&self, tables: &Views, triangle: u32) -> [f32; 3] {
         let material = tables.record(triangle).material as usize;
-        self.0[material.min(self.0.len() - 1)]
+        self.colors[material.min(self.colors.len() - 1)]
+    }
+
+    /// Whether anything is seen through.
+    pub(super) fn has_glass(&self) -> bool {
+        !self.panes.is_empty()
+    }
+
+    /// What a material lets pass, if one sees through it.
+    pub(super) fn pane(&self, material: u32) -> Option<&Pane> {
+        self.panes.get(material as usize)?.as_ref()
+    }
+
+    /// What a triangle lets pass.
+    fn pane_of(&self, tables: &Views, triangle: u32) -> Option<&Pane> {
+        if self.panes.is_empty() { None } else { self.pane(tables.record(triangle).material) }
     }
 }
 
@@ -105,13 +138,31 @@ impl<'a, 'd> Canvas<'a, 'd> {
         region: &'c Region,
         cell: u32,
     ) -> (&'c mut Detail<'d>, Pencil<'c, 'a>) {
-        let Canvas { tables, kernels, show, cover, looks, square, triangles, detail, .. } = self;
+        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, .. } = self;
         let screen = detail.screen;
         let (tables, kernels, show, looks, square) = (*tables, *kernels, *show, *looks, *square);
         (
             detail,
-            Pencil { tables, kernels, show, cover, looks, square, screen, arena, region, cell, triangles },
+            Pencil {
+                tables,
+                kernels,
+                show,
+                cover,
+                looks,
+                square,
+                layers,
+                screen,
+                arena,
+                region,
+                cell,
+                triangles,
+            },
         )
+    }
+
+    /// Mixes what is seen through into what is behind it: when all is painted.
+    pub(super) fn melt(&mut self) {
+        self.kernels.melt(self.layers, &mut self.cover, &self.square, self.unsure);
     }
 
     /// Leaves to rays what is free of a region.
@@ -156,10 +207,16 @@ impl Paint for Canvas<'_, '_> {
         match (seen, self.show) {
             (Seen::Face { source, plane, is_plain: true, .. }, Show::Light) => {
                 let source = self.tables.sources[*source as usize];
+                let first = self.tables.surfaces[source.first as usize];
+                if self.looks.pane_of(self.tables, first).is_some() {
+                    // What is beyond it, within the solid and out of it again, rays must tell.
+                    self.doubt(arena, region);
+                    return;
+                }
                 let shading = Shading {
                     grows: plane.grows.map(|c| (c / plane.size) as f32),
                     square: self.square,
-                    color: self.looks.of(self.tables, self.tables.surfaces[source.first as usize]),
+                    color: self.looks.of(self.tables, first),
                 };
                 self.fill(arena, region, &shading);
             }
@@ -195,6 +252,7 @@ struct Pencil<'c, 'a> {
     cover: &'c mut Cover<'a>,
     looks: &'a Looks,
     square: [f32; 5],
+    layers: &'c mut Layers,
     screen: Screen,
     arena: &'c Arena,
     region: &'c Region,
@@ -214,6 +272,11 @@ impl Pen for Pencil<'_, '_> {
         match self.show {
             Show::Light => {
                 let grows = self.screen.along(drawn.normal).map(|c| c as f32);
+                if let Some(&pane) = self.looks.pane_of(self.tables, drawn.triangle) {
+                    let layer = Layer::new(drawn.triangle, deep, grows, pane);
+                    kernels.glaze(borders, self.cover, rows, deep, (layer, self.layers));
+                    return;
+                }
                 let color = self.looks.of(self.tables, drawn.triangle);
                 let shading = Shading { grows, square: self.square, color };
                 kernels.draw(borders, self.cover, rows, deep, &shading);

@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::cover::Cover;
+use super::glass::{Layer, Layers};
 use super::kernels::{self, Deep, Kernels, Tint};
 use super::rows::Region;
 use super::sight::{Boxes, Places, Sight};
@@ -47,6 +48,27 @@ macro_rules! entries {
             tint: &T,
         ) {
             super::kernels::draw::<$wide, T>(borders, cover, rows, deep, tint);
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn glaze(
+            borders: [&[i32]; 2],
+            cover: &mut super::cover::Cover<'_>,
+            rows: [i32; 2],
+            deep: &super::kernels::Deep,
+            layer: (super::glass::Layer, &mut super::glass::Layers),
+        ) {
+            super::kernels::glaze::<$wide>(borders, cover, rows, deep, layer);
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn melt(
+            layers: &mut super::glass::Layers,
+            cover: &mut super::cover::Cover<'_>,
+            square: &[f32; 5],
+            unsure: &mut Vec<[i32; 3]>,
+        ) {
+            super::kernels::melt::<$wide>(layers, cover, square, unsure);
         }
 
         #[target_feature(enable = $features)]
@@ -176,6 +198,28 @@ pub(super) fn draw<T: Tint>(
     tint: &T,
 ) {
     by_kernel!(kernel, draw, <T>, (borders, cover, rows, deep, tint));
+}
+
+#[inline]
+pub(super) fn glaze(
+    kernel: Kernel,
+    borders: [&[i32]; 2],
+    cover: &mut Cover<'_>,
+    rows: [i32; 2],
+    deep: &Deep,
+    layer: (Layer, &mut Layers),
+) {
+    by_kernel!(kernel, glaze, <>, (borders, cover, rows, deep, layer));
+}
+
+pub(super) fn melt(
+    kernel: Kernel,
+    layers: &mut Layers,
+    cover: &mut Cover<'_>,
+    square: &[f32; 5],
+    unsure: &mut Vec<[i32; 3]>,
+) {
+    by_kernel!(kernel, melt, <>, (layers, cover, square, unsure));
 }
 
 #[inline]

@@ -20,7 +20,7 @@ use super::render::{parse_picture_size, read_cameras};
 
 /// Walk through a scene past way-points, frame by frame, and tell how long the frames take.
 ///
-/// Frames are made by beams: the only light a lamp at the eye, glass opaque. The eye goes straight from each way-point to the next. Without -o and
+/// Frames are made by beams: the only light a lamp at the eye, what is behind glass seen through it. The eye goes straight from each way-point to the next. Without -o and
 /// --raw frames are only timed.
 #[derive(Args)]
 #[command(after_help = "\
@@ -58,6 +58,9 @@ pub struct Arguments {
     /// Pixels.
     #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = parse_picture_size)]
     size: (u32, u32),
+    /// Glass is not seen through.
+    #[arg(long)]
+    opaque_glass: bool,
     /// The instruction set: portable, avx2 or avx512; by default the best that the CPU has.
     #[arg(long, value_name = "NAME", value_parser = parse_kernel)]
     kernel: Option<Kernel>,
@@ -189,7 +192,8 @@ fn paint(
 ) -> Result<Report, Failure> {
     let (width, height) = arguments.size;
     let kernel = arguments.kernel.or(Kernel::avx512()).unwrap_or(Kernel::best());
-    let mut beams = Beams::new(scene).with_kernel(kernel);
+    let beams = Beams::new(scene).with_kernel(kernel);
+    let mut beams = if arguments.opaque_glass { beams } else { beams.through_glass() };
     let mut pixels = vec![0u32; width as usize * height as usize];
     // Warms what is kept from frame to frame.
     beams.paint(&frames[0], width, &mut pixels);

@@ -25,6 +25,7 @@ use crate::beam::backs::Backs;
 use crate::beam::check::{UNWRITTEN, compare};
 use crate::beam::cover::Depths;
 use crate::beam::detail::Detail;
+use crate::beam::glass::Layers;
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::Partings;
@@ -95,11 +96,12 @@ struct Work {
 impl<S: Deref<Target = Scene>> Packets<S> {
     /// For pictures of this scene.
     pub fn new(scene: S) -> Packets<S> {
+        let looks = Looks::new(&scene.tables);
         let kept = Kept {
             kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
             partings: Partings::new(scene.tables.cells.len()),
-            looks: Looks::new(&scene.tables),
-            backs: Backs::new(&scene.tables),
+            backs: Backs::new(&scene.tables, &looks),
+            looks,
             works: Mutex::new(Vec::new()),
             outer: Outer::new(&scene),
         };
@@ -243,6 +245,8 @@ impl Work {
             looks: shot.looks,
             square: shot.square,
             sky: SKY_COLOR,
+            // Glass is opaque.
+            layers: &mut Layers::new(),
             unsure: &mut self.unsure,
             detail: &mut Detail::new(shot.tables, shot.internal, &shot.hidden),
             triangles: 0,

@@ -36,6 +36,7 @@ pub use exr::write_exr;
 pub use numbered::numbered;
 pub use picture::{Picture, Pixel};
 pub use png::{rgba_bytes, srgb_bytes, write_png, write_png_rgba};
+pub(crate) use shade::passage;
 pub use views::{auto_view, outside_view, room_views};
 pub use way::walk;
 pub use write::WriteError;

@@ -78,7 +78,7 @@ fn material(scene: &Scene, ray: &Ray, first: &Hit) -> [f32; 3] {
 
 /// The share of a surface that hides what is behind it, and the share of each colour that passes: what its alpha
 /// leaves open passes as it is, what it transmits takes its colour.
-fn passage(look: &MaterialRecord) -> (f32, [f32; 3]) {
+pub(crate) fn passage(look: &MaterialRecord) -> (f32, [f32; 3]) {
     let transmitted = look.alpha * look.transmission;
     let open = 1.0 - look.alpha;
     let passing = (open + transmitted).clamp(0.0, 1.0);

@@ -196,6 +196,9 @@ fn walks_are_timed_and_written() {
     let near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
     assert!(raw.iter().zip(&folder.read("portable.rgba")).all(near), "kernels agree to one step of 255");
 
+    walk(&["--opaque-glass", "--raw", "opaque.rgba"]).expect(0);
+    assert_eq!(folder.read("opaque.rgba").len(), raw.len());
+
     // Without way-points it goes through the rooms.
     let all = folder.run(&["walk", "house.enf", "--size", "16x16", "--json"]).expect(0).json();
     assert!(all["frames"].as_u64().unwrap() > 100);
