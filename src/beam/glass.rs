@@ -86,16 +86,13 @@ impl Layer {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     layer: u32,
-    /// The next of the block, or [`END`].
+    /// The next of the block, or [`NONE`].
     next: u32,
     /// Its `1 / t` in the first pixel.
     near: f32,
     /// Pixel i as bit i.
     mask: u32,
 }
-
-/// The list of a block ends.
-const END: u32 = NONE - 1;
 
 /// The layers of a block, in the mean of a band, and of one block, that are kept; where there are more, rays tell the band's pixels under glass.
 const MOST: usize = 64;
@@ -173,13 +170,13 @@ impl Layers {
     #[inline(always)]
     pub(super) fn add(&mut self, block: usize, near: f32, mut mask: u32) {
         let layer = self.layers.len() as u32 - 1;
-        let first = self.firsts[block];
-        if first == NONE {
-            self.under.push(block as u32);
-        }
-        let (mut next, mut count) = (if first == NONE { END } else { first }, 0);
         let triangle = self.layers[layer as usize].triangle;
-        while next != END {
+        let first = self.firsts[block];
+        if self.is_full && first != NONE {
+            return;
+        }
+        let (mut next, mut count) = (first, 0);
+        while next != NONE {
             let piece = &self.pieces[next as usize];
             if self.layers[piece.layer as usize].triangle == triangle {
                 mask &= !piece.mask;
@@ -187,15 +184,15 @@ impl Layers {
             next = piece.next;
             count += 1;
         }
-        if self.pieces.len() >= MOST * self.firsts.len() || count >= MOST_OF_ONE {
-            self.is_full = true;
-            self.firsts[block] = if first == NONE { END } else { first };
-        } else if mask != 0 {
-            self.firsts[block] = self.pieces.len() as u32;
-            self.pieces.push(Piece { layer, next: if first == NONE { END } else { first }, near, mask });
-        } else if first == NONE {
-            self.under.pop();
+        self.is_full |= self.pieces.len() >= MOST * self.firsts.len() || count >= MOST_OF_ONE;
+        if first == NONE {
+            // Also where there are too many: that there is glass must be known.
+            self.under.push(block as u32);
+        } else if self.is_full || mask == 0 {
+            return;
         }
+        self.firsts[block] = self.pieces.len() as u32;
+        self.pieces.push(Piece { layer, next: first, near, mask });
     }
 
     /// Mixes all layers into the pixels behind them, and forgets them. The square of the rays' size is as [`square`](super::shade::square) has it;
@@ -220,7 +217,7 @@ impl Layers {
             }
             self.order.clear();
             let known = if cover.touched[at] { W::load(&cover.near[at]) } else { W::splat(0.0) };
-            while next != END {
+            while next != NONE {
                 let piece = &self.pieces[next as usize];
                 let layer = &self.layers[piece.layer as usize];
                 let Piece { layer: of, near, mask, .. } = *piece;
@@ -230,14 +227,9 @@ impl Layers {
             }
             let middle = (WIDE / 2) as u32;
             self.order.sort_unstable_by(|a, b| a.compare(b, middle));
-            let rays = Rays::<W>::new(below as f32 + cover.top as f32, first, square);
+            let rays = BlockRays::<W>::new(below as f32 + cover.top as f32, first, square);
             let (line, block) = (&mut cover.pixels[below * width..][..width], at % blocks);
-            let mut pieces = self.order.iter();
-            let is_sorted =
-                |piece: &Ordered, rest: &[Ordered]| rest.iter().all(|other| piece.is_before(other));
-            if std::iter::from_fn(|| pieces.next().map(|piece| is_sorted(piece, pieces.as_slice())))
-                .all(|is| is)
-            {
+            if self.is_order_everywhere() {
                 self.mix(line, block, &rays, known, ALL);
                 continue;
             }
@@ -261,6 +253,12 @@ impl Layers {
         self.is_full = false;
     }
 
+    /// Whether of each two pieces that of the less place in their order is the nearer wherever both are.
+    fn is_order_everywhere(&self) -> bool {
+        let order = &self.order;
+        (0..order.len()).all(|i| order[i + 1..].iter().all(|other| order[i].is_before(other)))
+    }
+
     /// Whether those pieces that are over a pixel are in their order, from near to far.
     fn is_order_at(&self, pixel: u32) -> bool {
         let over = self.order.iter().filter(|piece| piece.mask >> pixel & 1 != 0);
@@ -269,7 +267,7 @@ impl Layers {
 
     /// Mixes the layers in their order into some of the pixels of a block: where they are nearer than what these show.
     #[inline(always)]
-    fn mix<W: Wide>(&self, line: &mut [u32], block: usize, rays: &Rays<W>, known: W, of: u32) {
+    fn mix<W: Wide>(&self, line: &mut [u32], block: usize, rays: &BlockRays<W>, known: W, of: u32) {
         let (mut sum, mut through, mut any) = ([[0.0; WIDE]; 3], [[1.0; WIDE]; 3], 0);
         for piece in &self.order {
             let Layer { slope, grows, pane, .. } = &self.layers[piece.layer as usize];
@@ -301,20 +299,20 @@ impl Layers {
 }
 
 /// The rays of a block of pixels.
-struct Rays<W> {
+struct BlockRays<W> {
     row: f32,
     columns: W,
     inverse_size: W,
 }
 
-impl<W: Wide> Rays<W> {
+impl<W: Wide> BlockRays<W> {
     /// Those of the pixels from a column on. The square of their size is as [`square`](super::shade::square) has it.
     #[inline(always)]
-    fn new(row: f32, first: usize, square: &[f32; 5]) -> Rays<W> {
+    fn new(row: f32, first: usize, square: &[f32; 5]) -> BlockRays<W> {
         let columns = W::splat(first as f32).add(W::count());
         let size = columns.mul_add(W::splat(square[4]), W::splat(square[1]));
         let size = size.mul_add(columns, W::splat((square[3] * row + square[2]) * row + square[0]));
-        Rays { row, columns, inverse_size: size.inverse_root() }
+        BlockRays { row, columns, inverse_size: size.inverse_root() }
     }
 }
 

@@ -12,6 +12,8 @@ pub(crate) mod check;
 pub(crate) mod cover;
 pub(crate) mod detail;
 pub(crate) mod glass;
+#[cfg(all(test, feature = "compile"))]
+mod glass_tests;
 mod hull;
 pub(crate) mod kernels;
 pub(crate) mod outer;

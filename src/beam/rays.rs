@@ -59,7 +59,8 @@ impl Rays<'_> {
             if hit.element == NONE {
                 return passed.over(sky);
             }
-            let Some(pane) = self.looks.pane(hit.material) else { break };
+            // From inside of a solid nothing is seen, also of one of glass.
+            let Some(pane) = self.looks.pane(hit.material).filter(|_| hit.triangle != NONE) else { break };
             passed.pass(pane, cosine(ray, &hit) as f32);
             let onward = Ray::new(hit.point, ray.direction);
             let want = Want { triangle: true, ..Want::LEAST };

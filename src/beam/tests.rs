@@ -332,7 +332,7 @@ fn hits_are_those_of_rays() {
 }
 
 /// From around the building, and from the air around it between its parts.
-fn outside_views(scene: &Scene) -> Vec<Camera> {
+pub(crate) fn outside_views(scene: &Scene) -> Vec<Camera> {
     let [lo, hi] = scene.hull().map(DVec3::from);
     let (middle, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
     let ways = [[1.7, 1.2, 0.6], [-1.3, 0.4, 2.5], [0.1, -1.6, 0.2], [0.0, 0.3, 3.0]];
@@ -420,74 +420,4 @@ fn what_reaches_out_of_a_round_room_is_seen_in_it_only() {
     let sum = sum(&mut Beams::new(&scene), &views(&scene, 12));
     assert_eq!(sum.unwritten, 0);
     assert!(sum.wrong.is_empty(), "{} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
-}
-
-/// What one sees through glass, by all triangles that a ray crosses.
-struct Crossed<'a> {
-    scene: &'a Scene,
-    looks: super::shade::Looks,
-    corners: Vec<[DVec3; 3]>,
-}
-
-impl Crossed<'_> {
-    /// The pixel of a ray.
-    fn see(&self, ray: &Ray) -> u32 {
-        let (origin, way) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
-        let crossing = |(triangle, [a, b, c]): (usize, &[DVec3; 3])| {
-            let normal = (b - a).cross(c - a);
-            let t = normal.dot(a - origin) / normal.dot(way);
-            let [u, v, w] = [[a, b], [b, c], [c, a]].map(|[p, q]| way.dot((p - origin).cross(q - origin)));
-            let is_within = u >= 0.0 && v >= 0.0 && w >= 0.0 || u <= 0.0 && v <= 0.0 && w <= 0.0;
-            let material = self.scene.tables.record(triangle as u32).material;
-            (t > 0.0 && is_within).then(|| (t, material, triangle as u32, normal.normalize().dot(way).abs()))
-        };
-        let mut crossed: Vec<_> = self.corners.iter().enumerate().filter_map(crossing).collect();
-        crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut passed = super::glass::Passed::ALL;
-        for (_, material, triangle, cosine) in crossed {
-            let Some(pane) = self.looks.pane(material) else {
-                let color = self.looks.of(&self.scene.tables, triangle);
-                let [red, green, blue] = color.map(|c| (f64::from(c) * cosine.sqrt()).round() as u32);
-                return passed.over(red | green << 8 | blue << 16 | 0xff00_0000);
-            };
-            passed.pass(pane, cosine as f32);
-        }
-        passed.over(super::SKY_COLOR)
-    }
-}
-
-#[test]
-fn what_is_behind_glass_is_seen() {
-    let [width, height] = SIZE.map(|size| size / 3);
-    let count = (width * height) as usize;
-    let (mut pixels, mut opaque, mut glazed, mut all) = (vec![0; count], vec![0; count], 0, 0);
-    for (name, scene) in scenes().into_iter().take(1) {
-        let triangles = 0..scene.detail_triangle_count();
-        let corners = triangles.map(|t| scene.triangle(t).map(DVec3::from)).collect();
-        let looks = super::shade::Looks::through_glass(&scene.tables);
-        let crossed = Crossed { scene: &scene, looks, corners };
-        let mut views = views(&scene, 8);
-        views.extend(outside_views(&scene));
-        for camera in &views {
-            Beams::new(&scene).paint(camera, width, &mut opaque);
-            let rays = super::told::pixels(camera, width, height);
-            let expected: Vec<u32> = rays.map(|(_, ray)| crossed.see(&ray)).collect();
-            for kernel in Kernel::available() {
-                Beams::new(&scene).with_kernel(kernel).through_glass().paint(camera, width, &mut pixels);
-                let unlike = unlike(&pixels, &expected);
-                // Edges, and where surfaces lie on each other.
-                assert!(unlike.len() <= 2, "{name}: {camera:?} {unlike:x?}");
-                all += unlike.len();
-            }
-            glazed += unlike(&opaque, &expected).len();
-        }
-    }
-    assert!(glazed > 500 && all * 1000 < glazed, "{all} unlike, {glazed} glazed");
-}
-
-/// Where two pictures differ by more than two of 255 steps, and how.
-fn unlike(a: &[u32], b: &[u32]) -> Vec<(usize, u32, u32)> {
-    let differs = |a: u32, b: u32| (0..4).any(|i| a.to_le_bytes()[i].abs_diff(b.to_le_bytes()[i]) > 2);
-    let pairs = a.iter().zip(b).enumerate().filter(|(_, (a, b))| differs(**a, **b));
-    pairs.map(|(at, (a, b))| (at, *a, *b)).collect()
 }

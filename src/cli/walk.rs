@@ -20,8 +20,8 @@ use super::render::{parse_picture_size, read_cameras};
 
 /// Walk through a scene past way-points, frame by frame, and tell how long the frames take.
 ///
-/// Frames are made by beams: the only light a lamp at the eye, what is behind glass seen through it. The eye goes straight from each way-point to the next. Without -o and
-/// --raw frames are only timed.
+/// Frames are made by beams: the only light a lamp at the eye, what is behind glass seen through it. The eye goes straight from each way-point to
+/// the next. Without -o and --raw frames are only timed.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
