@@ -54,19 +54,20 @@ impl Rays<'_> {
 
     /// What is seen where a ray met this first: through glass, if that is looked through.
     fn seen(&self, ray: &Ray, first: &Hit, sky: u32) -> u32 {
-        let (mut hit, mut passed) = (*first, Passed::ALL);
-        for _ in 0..LAYERS {
-            if hit.element == NONE {
-                return passed.over(sky);
-            }
-            // From inside of a solid nothing is seen, also of one of glass.
-            let Some(pane) = self.looks.pane(hit.material).filter(|_| hit.triangle != NONE) else { break };
-            passed.pass(pane, cosine(ray, &hit) as f32);
-            let onward = Ray::new(hit.point, ray.direction);
+        let (mut layers, mut passed) = (0, Passed::ALL);
+        // Of glass it passes what it is told of.
+        let mut passes = |hit: &Hit| {
+            layers += 1;
+            let pane = if layers <= LAYERS { self.looks.pane(hit.material) } else { None };
+            pane.inspect(|pane| passed.pass(*pane, cosine(ray, hit) as f32)).is_some()
+        };
+        let mut last = *first;
+        // From inside of a solid nothing is seen, also of one of glass.
+        if first.triangle != NONE && passes(first) {
             let want = Want { triangle: true, ..Want::LEAST };
-            hit = self.scene.trace_from(Start::Hit(&hit), &onward, want);
+            last = self.scene.trace_beyond(Start::Anywhere, ray, want, first, passes);
         }
-        passed.over(if hit.element == NONE { sky } else { self.pixel(ray, &hit) })
+        passed.over(if last.element == NONE { sky } else { self.pixel(ray, &last) })
     }
 
     fn pixel(&self, ray: &Ray, hit: &Hit) -> u32 {

@@ -53,25 +53,24 @@ pub(super) fn shade(scene: &Scene, ray: &Ray, hit: &Hit, mode: ColorMode, frame:
 
 /// Radiance toward the eye, what is seen through glass included.
 fn material(scene: &Scene, ray: &Ray, first: &Hit) -> [f32; 3] {
-    let (mut hit, mut sum, mut through) = (*first, [0.0f32; 3], [1.0f32; 3]);
-    for layer in 0..=LAYERS {
-        let Some(look) = scene.materials().get(hit.material as usize) else { return sum };
+    let (mut layers, mut sum, mut through) = (0, [0.0f32; 3], [1.0f32; 3]);
+    let mut passes = |hit: &Hit| {
+        let Some(look) = scene.materials().get(hit.material as usize) else { return false };
         let light = (HEADLIGHT * cosine(ray.direction, hit.normal)) as f32;
-        let (cover, clear) = if layer < LAYERS { passage(look) } else { (1.0, [0.0; 3]) };
+        let (cover, clear) = if layers < LAYERS { passage(look) } else { (1.0, [0.0; 3]) };
+        layers += 1;
         for i in 0..3 {
             sum[i] += through[i] * (cover * look.base_color[i] * light + look.emissive[i]);
             through[i] *= clear[i];
         }
-        if through == [0.0; 3] {
-            return sum;
-        }
-        let onward = Ray::new(hit.point, ray.direction);
-        let next = scene.trace_from(Start::Hit(&hit), &onward, Want::LEAST);
-        if next.element == NONE {
+        through != [0.0; 3]
+    };
+    if passes(first) {
+        let last = scene.trace_beyond(Start::Anywhere, ray, Want::LEAST, first, passes);
+        if last.element == NONE {
             let sky = linear(SKY);
             return [0, 1, 2].map(|i| sum[i] + through[i] * sky[i]);
         }
-        hit = next;
     }
     sum
 }

@@ -27,6 +27,7 @@ mod quick;
 mod ray;
 mod single;
 mod step;
+mod through;
 mod walk;
 
 pub use batch::Starts;

@@ -430,7 +430,7 @@ impl Scene {
     }
 
     #[inline]
-    fn describe(&self, line: &Line, Ended { found, cell, .. }: Ended, want: Want) -> Hit {
+    pub(super) fn describe(&self, line: &Line, Ended { found, cell, .. }: Ended, want: Want) -> Hit {
         let record = self.tables.record(found.triangle);
         let [a, b, c] = each(record.vertices, |v| DVec3::from(self.tables.vertices[v as usize]));
         let normal = (b - a).cross(c - a);
@@ -524,7 +524,7 @@ pub(super) struct Line {
 impl Line {
     /// `None` for a ray that is none, or that does not meet the hull.
     #[inline]
-    fn new(tables: &Views, ray: &Ray) -> Option<Line> {
+    pub(super) fn new(tables: &Views, ray: &Ray) -> Option<Line> {
         if !ray.is_valid() {
             return None;
         }
@@ -566,7 +566,7 @@ impl Line {
 
 /// What a restarted ray starts on.
 #[inline]
-fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
+pub(super) fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
     let Start::Hit(hit) = start else { return None };
     Some(surface_of(hit, line.origin, line.tmin))
 }

@@ -133,6 +133,8 @@ pub(super) struct Query<'s> {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) tmin: f64,
+    /// Of what it meets just at `tmin`, triangles before this one do not count.
+    least: u32,
     tmax: f64,
     /// Where along the ray the f32 copy starts: its entry into the hull.
     start: f64,
@@ -159,7 +161,7 @@ impl<'s> Query<'s> {
         let local = (origin + direction * start - DVec3::from(scene.center)).as_vec3().to_array();
         let toward = direction.as_vec3().to_array();
         let inverse = inverse(toward);
-        Query { origin, direction, tmin, tmax, start, local, toward, inverse, surface, root }
+        Query { origin, direction, tmin, least: 0, tmax, start, local, toward, inverse, surface, root }
     }
 
     /// How far, metres, anything that the ray meets is from its origin along an axis at most.
@@ -181,6 +183,12 @@ impl<'s> Query<'s> {
     pub(super) fn aim(&mut self, root: u32, tmax: f64) {
         self.root = root;
         self.tmax = tmax;
+    }
+
+    /// From now on only what it meets after `t` counts, and just there triangles from `least` on.
+    #[inline(always)]
+    pub(super) fn follow(&mut self, t: f64, least: u32) {
+        (self.tmin, self.least) = (t, least);
     }
 
     /// Decides in f64 whether the ray meets the triangle nearer than `best`.
@@ -230,7 +238,10 @@ impl<'s> Query<'s> {
         let (nearest, farthest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
         let t = t.max(nearest).min(farthest);
         // The negated form also turns away NaN.
-        if !(t >= self.tmin && t <= best.t) || (t == best.t && index >= best.triangle) {
+        if !(t >= self.tmin && t <= best.t)
+            || (t == best.t && index >= best.triangle)
+            || (t == self.tmin && index < self.least)
+        {
             return false;
         }
         if let Some(surface) = self.surface
