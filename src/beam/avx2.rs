@@ -2,14 +2,14 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m128i, __m256, __m256d, __m256i, _CMP_EQ_OQ, _CMP_GT_OQ, _mm_castsi128_ps, _mm_cmplt_epi32,
-    _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32, _mm_movemask_ps, _mm_storeu_si128, _mm256_add_pd,
-    _mm256_add_ps, _mm256_and_ps, _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps,
-    _mm256_castps_si256, _mm256_castsi256_ps, _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32,
-    _mm256_cvtpd_epi32, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps,
-    _mm256_mul_pd, _mm256_mul_ps, _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi32, _mm256_set1_pd,
-    _mm256_set1_ps, _mm256_setr_epi32, _mm256_setr_pd, _mm256_setr_ps, _mm256_setzero_ps, _mm256_slli_epi32,
-    _mm256_storeu_ps, _mm256_storeu_si256,
+    __m128i, __m256, __m256d, __m256i, _CMP_GT_OQ, _mm_castsi128_ps, _mm_cmpeq_epi32, _mm_cmplt_epi32,
+    _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32, _mm_movemask_ps, _mm_set1_epi32, _mm_setzero_si128,
+    _mm_sllv_epi32, _mm_storeu_si128, _mm_sub_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_si256,
+    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
+    _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32, _mm256_fmadd_ps, _mm256_loadu_ps,
+    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_or_si256,
+    _mm256_rsqrt_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi32, _mm256_setr_pd,
+    _mm256_setr_ps, _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256,
 };
 
 use super::simd::entries;
@@ -123,16 +123,6 @@ impl Wide for Avx2 {
         }
     }
     #[inline(always)]
-    fn zero(self) -> u32 {
-        let [a, b] = self.0;
-        // SAFETY: see `Avx2`.
-        unsafe {
-            let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(a, _mm256_setzero_ps())) as u32;
-            let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(b, _mm256_setzero_ps())) as u32;
-            low | high << 8
-        }
-    }
-    #[inline(always)]
     fn put(self, mask: u32, to: &mut [f32; WIDE]) {
         let ([a, b], [low, high]) = (self.0, Avx2::lanes(mask));
         let [to_low, to_high] = Avx2::halves_mut(to);
@@ -143,13 +133,12 @@ impl Wide for Avx2 {
         }
     }
     #[inline(always)]
-    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
-        let ([a, b], [low, high]) = (self.0, Avx2::lanes(mask));
-        let [to_low, to_high] = Avx2::halves_mut(to);
+    fn store(self, to: &mut [f32; WIDE]) {
+        let [low, high] = Avx2::halves_mut(to);
         // SAFETY: see `Avx2`; each half of the array has room for eight, and no alignment is needed.
         unsafe {
-            _mm256_storeu_ps(to_low, _mm256_and_ps(a, low));
-            _mm256_storeu_ps(to_high, _mm256_and_ps(b, high));
+            _mm256_storeu_ps(low, self.0[0]);
+            _mm256_storeu_ps(high, self.0[1]);
         }
     }
     #[inline(always)]
@@ -194,6 +183,19 @@ fn bytes([red, green, blue]: [__m256; 3]) -> __m256i {
     }
 }
 
+/// As [`Columns::up_to`], of four.
+#[inline(always)]
+fn up_to(from: __m128i, to: __m128i, first: i32) -> __m128i {
+    // SAFETY: see `Avx2`.
+    unsafe {
+        let (first, one) = (_mm_set1_epi32(first), _mm_set1_epi32(1));
+        let (none, all) = (_mm_setzero_si128(), _mm_set1_epi32(WIDE as i32));
+        let from = _mm_min_epi32(_mm_max_epi32(_mm_sub_epi32(from, first), none), all);
+        let to = _mm_min_epi32(_mm_max_epi32(_mm_sub_epi32(to, first), from), all);
+        _mm_sub_epi32(_mm_sllv_epi32(one, to), _mm_sllv_epi32(one, from))
+    }
+}
+
 impl Columns for Avx2Columns {
     type Lines = Avx2Lines;
 
@@ -234,6 +236,22 @@ impl Columns for Avx2Columns {
             let low = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(a, c))) as u32;
             let high = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(b, d))) as u32;
             low | high << 4
+        }
+    }
+    #[inline(always)]
+    fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32) {
+        let mut out = [0; ROWS];
+        let (low, high) = out.split_at_mut(4);
+        // SAFETY: see `Avx2`; each half of the array has room for four, and no alignment is needed.
+        unsafe {
+            let (low_bits, high_bits) =
+                (up_to(self.0[0], end.0[0], first), up_to(self.0[1], end.0[1], first));
+            _mm_storeu_si128(low.as_mut_ptr().cast(), low_bits);
+            _mm_storeu_si128(high.as_mut_ptr().cast(), high_bits);
+            let zero = _mm_setzero_si128();
+            let low_none = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(low_bits, zero)));
+            let high_none = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(high_bits, zero)));
+            (out, (low_none | high_none << 4) as u32 ^ 0xff)
         }
     }
 }

@@ -2,14 +2,15 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m256i, __m512, __m512d, __m512i, _CMP_EQ_OQ, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
-    _mm256_cmplt_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32, _mm256_min_epi32, _mm256_storeu_si256,
-    _mm512_abs_ps, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
-    _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_max_pd, _mm512_mask_min_pd,
-    _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps, _mm512_maskz_mov_ps, _mm512_max_pd, _mm512_min_pd,
+    __m256i, __m512, __m512d, __m512i, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
+    _mm256_cmplt_epi32_mask, _mm256_cmpneq_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32,
+    _mm256_min_epi32, _mm256_set1_epi32, _mm256_setzero_si256, _mm256_sllv_epi32, _mm256_storeu_si256,
+    _mm256_sub_epi32, _mm512_abs_ps, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512,
+    _mm512_cmp_ps_mask, _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_max_pd,
+    _mm512_mask_min_pd, _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps, _mm512_max_pd, _mm512_min_pd,
     _mm512_mul_pd, _mm512_mul_ps, _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps,
-    _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_setzero_ps,
-    _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
+    _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_slli_epi32,
+    _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::simd::entries;
@@ -78,19 +79,14 @@ impl Wide for Avx512 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0) }.into()
     }
     #[inline(always)]
-    fn zero(self) -> u32 {
-        // SAFETY: see `Avx512`.
-        unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, _mm512_setzero_ps()) }.into()
-    }
-    #[inline(always)]
     fn put(self, mask: u32, to: &mut [f32; WIDE]) {
         // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
         unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask as u16, self.0) };
     }
     #[inline(always)]
-    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
+    fn store(self, to: &mut [f32; WIDE]) {
         // SAFETY: see `Avx512`; the array has room for the sixteen, and no alignment is needed.
-        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), _mm512_maskz_mov_ps(mask as u16, self.0)) };
+        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), self.0) };
     }
     #[inline(always)]
     fn words(x: u32) -> Self::Words {
@@ -150,6 +146,20 @@ impl Columns for Avx512Columns {
     fn less(self, other: Self) -> u32 {
         // SAFETY: see `Avx512`.
         unsafe { _mm256_cmplt_epi32_mask(self.0, other.0) }.into()
+    }
+    #[inline(always)]
+    fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32) {
+        let mut out = [0; ROWS];
+        // SAFETY: see `Avx512`; the array has room for the eight, and no alignment is needed.
+        unsafe {
+            let (first, one) = (_mm256_set1_epi32(first), _mm256_set1_epi32(1));
+            let (none, all) = (_mm256_setzero_si256(), _mm256_set1_epi32(WIDE as i32));
+            let from = _mm256_min_epi32(_mm256_max_epi32(_mm256_sub_epi32(self.0, first), none), all);
+            let to = _mm256_min_epi32(_mm256_max_epi32(_mm256_sub_epi32(end.0, first), from), all);
+            let bits = _mm256_sub_epi32(_mm256_sllv_epi32(one, to), _mm256_sllv_epi32(one, from));
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), bits);
+            (out, _mm256_cmpneq_epi32_mask(bits, none).into())
+        }
     }
 }
 

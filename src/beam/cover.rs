@@ -1,64 +1,81 @@
 //! The rows of a picture being made, and how near what they show of triangles is.
 
-use super::wide::{ROWS, WIDE};
+use super::wide::{ALL, ROWS, WIDE, Wide};
 
-/// How near what some rows show is, kept from picture to picture.
+/// What some rows show of triangles, kept from picture to picture.
 pub(crate) struct Depths {
-    near: Vec<[f32; WIDE]>,
-    touched: Vec<bool>,
-    rows: Vec<bool>,
     tiles: Vec<Tile>,
+    near: Vec<[[f32; WIDE]; ROWS]>,
+    planes: Vec<[f64; 3]>,
+    drawn: Vec<bool>,
 }
 
 impl Depths {
     pub(crate) fn new() -> Depths {
-        let (near, touched, rows, tiles) = Default::default();
-        Depths { near, touched, rows, tiles }
+        let (tiles, near, planes, drawn) = Default::default();
+        Depths { tiles, near, planes, drawn }
     }
 
     /// Begins with the rows from `top` on of a picture so wide, which `pixels` are.
     pub(crate) fn cover<'a>(&'a mut self, width: usize, top: i32, pixels: &'a mut [u32]) -> Cover<'a> {
-        let (rows, blocks) = (pixels.len() / width, Cover::blocks(width));
-        // What is near holds only where it is touched.
-        self.near.resize(rows * blocks, [0.0; WIDE]);
-        self.touched.clear();
-        self.touched.resize(rows * blocks, false);
-        self.rows.clear();
-        self.rows.resize(rows, false);
-        self.tiles.clear();
-        self.tiles.resize(rows.div_ceil(ROWS) * blocks, Tile::FREE);
-        let Depths { near, touched, rows, tiles } = self;
-        Cover { width, top, pixels, near, touched, rows, tiles }
+        let (height, blocks) = (pixels.len() / width, Cover::blocks(width));
+        let (rows, count) = (height.div_ceil(ROWS), height.div_ceil(ROWS) * blocks);
+        let Depths { tiles, near, planes, drawn } = self;
+        if tiles.len() == count && drawn.len() == rows {
+            // Only where there was anything.
+            let drawn = tiles.chunks_mut(blocks).zip(drawn).filter(|(_, drawn)| **drawn);
+            drawn.for_each(|(tiles, drawn)| {
+                tiles.fill(Tile::FREE);
+                *drawn = false;
+            });
+        } else {
+            tiles.clear();
+            tiles.resize(count, Tile::FREE);
+            drawn.clear();
+            drawn.resize(rows, false);
+        }
+        // What these say holds only where tiles say so.
+        near.resize(count, [[0.0; WIDE]; ROWS]);
+        planes.resize(count, [0.0; 3]);
+        Cover { width, height, top, pixels, tiles, near, planes, drawn: &mut self.drawn }
     }
 }
 
-/// Rows of a picture being made, each from left to right in blocks of [`WIDE`] pixels, of which the last may not be whole.
+/// Rows of a picture being made, each from left to right in blocks of [`WIDE`] pixels, of which the last may not be whole; the blocks of [`ROWS`] rows
+/// that lie on each other are a tile.
 pub(crate) struct Cover<'a> {
     pub(crate) width: usize,
+    /// How many rows.
+    pub(crate) height: usize,
     /// The first row.
     pub(crate) top: i32,
     pub(crate) pixels: &'a mut [u32],
-    /// `1 / t` of the detail that each pixel shows, 0 where it shows none, by block; holds only where that shows any.
-    pub(crate) near: &'a mut [[f32; WIDE]],
-    /// Whether each block shows any detail.
-    pub(crate) touched: &'a mut [bool],
-    /// Whether each row does.
-    pub(crate) rows: &'a mut [bool],
+    /// Row by row of tiles.
     pub(super) tiles: &'a mut [Tile],
+    /// `1 / t` of the detail that each pixel of a tile shows; holds only where it shows any, and not where its plane tells.
+    near: &'a mut [[[f32; WIDE]; ROWS]],
+    /// The one plane of which a tile shows a triangle in all pixels, if that [`Tile::is_plane`]: as [`Tile::plane`], exactly.
+    planes: &'a mut [[f64; 3]],
+    /// Whether each row of tiles shows any detail.
+    pub(super) drawn: &'a mut [bool],
 }
 
-/// What is known of the blocks of [`ROWS`] rows that lie on each other.
+/// What is known of a tile.
 #[derive(Clone, Copy)]
 pub(super) struct Tile {
+    /// Which pixels of each row show detail, pixel i as bit i.
+    pub(super) shown: [u16; ROWS],
     /// The least of all `1 / t`, or less; negative if they were drawn on since.
     pub(super) far: f32,
     /// All of them show this plane or what is nearer: how its `1 / t` grows with column and row, and in the first pixel.
     plane: [f32; 3],
+    /// All of them show one plane, which is told in the place of each of them.
+    is_plane: bool,
 }
 
 impl Tile {
     /// Nothing is shown.
-    const FREE: Tile = Tile { far: 0.0, plane: [0.0; 3] };
+    const FREE: Tile = Tile { shown: [0; ROWS], far: 0.0, plane: [0.0; 3], is_plane: false };
 
     /// Whether all pixels show what is nearer than a plane.
     #[inline(always)]
@@ -68,11 +85,15 @@ impl Tile {
             && self.far != 0.0
     }
 
+    /// Whether no pixel shows any detail.
+    #[inline(always)]
+    pub(super) fn is_free(&self) -> bool {
+        self.shown == [0; ROWS]
+    }
+
     /// Notes that part of a plane is drawn; all of it, if `farthest` is known.
     #[inline(always)]
     pub(super) fn draw(&mut self, plane: [f32; 3], farthest: Option<f32>) {
-        /// What f32 may round.
-        const FARTHER: f32 = 1.0 - 4e-7;
         match farthest {
             // What was nearer somewhere is still.
             Some(farthest) => {
@@ -86,16 +107,65 @@ impl Tile {
     }
 }
 
+/// What f32 may round.
+const FARTHER: f32 = 1.0 - 4e-7;
+
 impl Cover<'_> {
     /// Blocks in a row.
     pub(crate) fn blocks(width: usize) -> usize {
         width.div_ceil(WIDE)
     }
 
+    /// Which pixels of a block show detail, pixel i as bit i; the row is one of those from the first on.
+    #[inline(always)]
+    pub(crate) fn shown(&self, below: usize, block: usize) -> u32 {
+        self.tiles[below / ROWS * Cover::blocks(self.width) + block].shown[below % ROWS].into()
+    }
+
+    /// Whether a row may show any detail; it is one of those from the first on.
+    #[inline(always)]
+    pub(crate) fn is_drawn(&self, below: usize) -> bool {
+        self.drawn[below / ROWS]
+    }
+
     /// Whether detail is seen in a pixel.
     pub(crate) fn is_taken(&self, row: i32, column: i32) -> bool {
-        let block = (row - self.top) as usize * Cover::blocks(self.width) + column as usize / WIDE;
-        self.touched[block] && self.near[block][column as usize % WIDE] != 0.0
+        let shown = self.shown((row - self.top) as usize, column as usize / WIDE);
+        shown >> (column as usize % WIDE) & 1 != 0
+    }
+
+    /// All pixels of a tile that was free become one plane, of which this is the least `1 / t` in it.
+    #[inline(always)]
+    pub(super) fn lay(&mut self, tile: usize, plane: [f64; 3], farthest: f64) {
+        let [across, down, first] = plane.map(|c| c as f32);
+        self.tiles[tile] = Tile {
+            shown: [ALL as u16; ROWS],
+            far: farthest as f32 * FARTHER,
+            plane: [across, down, first],
+            is_plane: true,
+        };
+        self.planes[tile] = plane;
+    }
+
+    /// How near each pixel of a tile is that shows detail.
+    #[inline(always)]
+    pub(super) fn near<W: Wide>(&mut self, tile: usize) -> &mut [[f32; WIDE]; ROWS] {
+        self.near_and_pixels::<W>(tile).0
+    }
+
+    /// The same, and the pixels of all.
+    #[inline(always)]
+    pub(super) fn near_and_pixels<W: Wide>(&mut self, tile: usize) -> (&mut [[f32; WIDE]; ROWS], &mut [u32]) {
+        let near = &mut self.near[tile];
+        if self.tiles[tile].is_plane {
+            self.tiles[tile].is_plane = false;
+            let step = W::splat(self.planes[tile][0] as f32);
+            let starts = starts(self.planes[tile]);
+            for i in 0..ROWS {
+                W::count().mul_add(step, W::splat(starts[i])).store(&mut near[i]);
+            }
+        }
+        (near, self.pixels)
     }
 
     /// Whether all pixels of some columns and rows show detail nearer than `near`, which is `1 / t`.
@@ -118,24 +188,34 @@ impl Cover<'_> {
         true
     }
 
-    /// The least `1 / t` of a tile.
-    fn farthest(&self, tile: usize, block: usize) -> f32 {
-        let blocks = Cover::blocks(self.width);
-        let rows = tile * ROWS..((tile + 1) * ROWS).min(self.rows.len());
+    /// The least `1 / t` of a tile that is not told by its plane.
+    fn farthest(&self, row: usize, block: usize) -> f32 {
+        let tile = row * Cover::blocks(self.width) + block;
+        // What is right of the picture, or below, hides nothing.
+        let count = (self.width - block * WIDE).min(WIDE);
+        let all = (ALL >> (WIDE - count)) as u16;
+        let rows = (self.height - row * ROWS).min(ROWS);
         let mut least = [f32::INFINITY; WIDE];
-        for row in rows {
-            let at = row * blocks + block;
-            if !self.touched[at] {
+        for (shown, near) in self.tiles[tile].shown[..rows].iter().zip(&self.near[tile]) {
+            if *shown != all {
                 return 0.0;
             }
-            for (least, &near) in least.iter_mut().zip(&self.near[at]) {
+            for (least, &near) in least.iter_mut().zip(near) {
                 *least = if near < *least { near } else { *least };
             }
         }
-        // What is right of the picture hides nothing.
-        let count = (self.width - block * WIDE).min(WIDE);
         least[..count].iter().copied().fold(f32::INFINITY, f32::min)
     }
+}
+
+/// `1 / t` of a plane in the first pixel of eight rows, as f32 has it: the plane as [`Tile::plane`].
+#[inline(always)]
+pub(super) fn starts([_, down, first]: [f64; 3]) -> [f32; ROWS] {
+    let mut starts = [0.0; ROWS];
+    for (i, start) in starts.iter_mut().enumerate() {
+        *start = (first + down * i as f64) as f32;
+    }
+    starts
 }
 
 #[cfg(test)]
@@ -145,6 +225,7 @@ mod tests {
 
     use super::*;
     use crate::beam::kernels::{Bound, Deep, Flat, Kernels};
+    use crate::beam::wide::Portable;
     use crate::trace::Kernel;
 
     const SIZE: [usize; 2] = [75, 41];
@@ -169,9 +250,10 @@ mod tests {
         Kernels(kernel).draw([&lo, &hi], cover, *rows, deep, &Flat(number));
     }
 
-    fn near(cover: &Cover<'_>, x: usize, y: usize) -> f32 {
-        let block = y * Cover::blocks(SIZE[0]) + x / WIDE;
-        if cover.touched[block] { cover.near[block][x % WIDE] } else { 0.0 }
+    fn near(cover: &mut Cover<'_>, x: usize, y: usize) -> f32 {
+        let tile = y / ROWS * Cover::blocks(SIZE[0]) + x / WIDE;
+        let is_shown = cover.is_taken(TOP + y as i32, x as i32);
+        if is_shown { cover.near::<Portable>(tile)[y % ROWS][x % WIDE] } else { 0.0 }
     }
 
     fn triangle() -> impl Strategy<Value = ([[f64; 2]; 3], [f64; 3])> {
@@ -197,7 +279,7 @@ mod tests {
                     let mut single = alone.cover(SIZE[0], TOP, &mut own);
                     draw(kernel, &mut single, &deep, number);
                     for at in 0..count {
-                        let near = near(&single, at % SIZE[0], at / SIZE[0]);
+                        let near = near(&mut single, at % SIZE[0], at / SIZE[0]);
                         if single.pixels[at] != 0 && near > best[at] * (1.0 + 4e-7) {
                             (best[at], expected[at]) = (near, number);
                         }
@@ -208,7 +290,7 @@ mod tests {
                         let rows = [TOP + y as i32, TOP + y1 as i32];
                         let hides = cover.hides([x as i32, x1 as i32], rows, limit);
                         let pixels = (y..y1).flat_map(|y| (x..x1).map(move |x| (x, y)));
-                        let all = pixels.into_iter().all(|(x, y)| near(&cover, x, y) >= limit * (1.0 - 1e-6));
+                        let all = pixels.into_iter().all(|(x, y)| near(&mut cover, x, y) >= limit * (1.0 - 1e-6));
                         prop_assert!(!hides || all);
                     }
                 }

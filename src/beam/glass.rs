@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 use super::cover::Cover;
 use super::kernels::{Deep, put};
-use super::wide::{ALL, WIDE, Wide};
+use super::wide::{ALL, ROWS, WIDE, Wide};
 use crate::format::records::MaterialRecord;
 use crate::render::passage;
 use crate::trace::NONE;
@@ -153,7 +153,7 @@ impl Layers {
     /// As many blocks as rows have.
     pub(super) fn resize(&mut self, cover: &Cover<'_>) {
         // All that were in use are free again.
-        self.firsts.resize(cover.rows.len() * Cover::blocks(cover.width), NONE);
+        self.firsts.resize(cover.height * Cover::blocks(cover.width), NONE);
     }
 
     /// A triangle, of which pieces come now.
@@ -216,7 +216,11 @@ impl Layers {
                 continue;
             }
             self.order.clear();
-            let known = if cover.touched[at] { W::load(&cover.near[at]) } else { W::splat(0.0) };
+            let shown = cover.shown(below, at % blocks);
+            let known = cover.near::<W>(below / ROWS * blocks + at % blocks)[below % ROWS];
+            let mut near = [0.0; WIDE];
+            W::load(&known).put(shown, &mut near);
+            let known = W::load(&near);
             while next != NONE {
                 let piece = &self.pieces[next as usize];
                 let layer = &self.layers[piece.layer as usize];

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::cover::Cover;
+use super::cover::{Cover, starts};
 use super::glass::{Layer, Layers};
 use super::rows::Region;
 use super::shade::Shading;
@@ -101,7 +101,7 @@ impl Kernels {
     /// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
     #[inline]
     pub(super) fn is_taken(self, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
-        simd::is_taken(self.0, borders, cover, first)
+        is_taken(borders, cover, first)
     }
 }
 
@@ -109,6 +109,16 @@ impl Kernels {
 pub(crate) trait Tint {
     /// What is the same for all pixels of a row.
     fn row(&self, y: f32) -> [f32; 2];
+
+    /// The same of eight rows, the first of them at `y`.
+    #[inline(always)]
+    fn rows(&self, y: f32) -> [[f32; 2]; ROWS] {
+        let mut rows = [[0.0; 2]; ROWS];
+        for (i, row) in rows.iter_mut().enumerate() {
+            *row = self.row(y + i as f32);
+        }
+        rows
+    }
 
     /// The pixels of some columns.
     fn pixels<W: Wide>(&self, row: [f32; 2], columns: W) -> W::Words;
@@ -245,12 +255,18 @@ fn between(block: usize, lo: i32, hi: i32) -> u32 {
 #[inline(always)]
 pub(crate) fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
     let from = block * WIDE;
+    match line.get_mut(from..).and_then(|part| part.first_chunk_mut::<WIDE>()) {
+        Some(pixels) if mask == ALL => W::put_all(words, pixels),
+        _ => put_some::<W>(line, block, words, mask),
+    }
+}
+
+/// The same, where it cannot be guessed whether these are all.
+#[inline(always)]
+fn put_some<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32) {
+    let from = block * WIDE;
     if let Some(pixels) = line.get_mut(from..).and_then(|part| part.first_chunk_mut::<WIDE>()) {
-        if mask == ALL {
-            W::put_all(words, pixels);
-        } else {
-            W::put_words(words, mask, pixels);
-        }
+        W::put_words(words, mask, pixels);
     } else if let Some(part) = line.get_mut(from..) {
         let mut pixels = [0; WIDE];
         pixels[..part.len()].copy_from_slice(part);
@@ -262,9 +278,9 @@ pub(crate) fn put<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask
 #[inline(always)]
 pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) {
     let (width, blocks) = (cover.width, Cover::blocks(cover.width));
-    let below = (first - cover.top) as usize;
-    let lines = cover.pixels.chunks_mut(width).zip(cover.rows.iter()).enumerate().skip(below);
-    for (((below, (line, &touched)), &lo), &hi) in lines.zip(lo).zip(hi) {
+    let start = (first - cover.top) as usize;
+    let lines = cover.pixels.chunks_mut(width).skip(start);
+    for (below, ((line, &lo), &hi)) in (start..).zip(lines.zip(lo).zip(hi)) {
         if lo >= hi {
             continue;
         }
@@ -272,14 +288,10 @@ pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_
         let (from, to) = (lo as usize / WIDE, (hi as usize - 1) / WIDE);
         let mut columns = W::splat((from * WIDE) as f32).add(W::count());
         let step = W::splat(WIDE as f32);
-        if touched {
-            let known = below * blocks..(below + 1) * blocks;
-            let (nears, touched) = (&cover.near[known.clone()], &cover.touched[known]);
-            for block in from..=to {
-                let mut mask = between(block, lo, hi);
-                if touched[block] {
-                    mask &= W::load(&nears[block]).zero();
-                }
+        if cover.drawn[below / ROWS] {
+            let tiles = &cover.tiles[below / ROWS * blocks..][..blocks];
+            for (block, tile) in (from..=to).zip(&tiles[from..]) {
+                let mask = between(block, lo, hi) & !u32::from(tile.shown[below % ROWS]);
                 if mask != 0 {
                     put::<W>(line, block, tint.pixels(same, columns), mask);
                 }
@@ -301,35 +313,27 @@ pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_
     }
 }
 
-#[inline(always)]
-pub(super) fn is_taken<W: Wide>([lo, hi]: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
+pub(super) fn is_taken([lo, hi]: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
     // The middle first: most that are not taken are not there.
     let middle = lo.len() / 2;
-    if !is_row_taken::<W>(cover, first + middle as i32, [lo[middle], hi[middle]]) {
+    if !is_row_taken(cover, first + middle as i32, [lo[middle], hi[middle]]) {
         return false;
     }
-    for (row, (&lo, &hi)) in (first..).zip(lo.iter().zip(hi)) {
-        if !is_row_taken::<W>(cover, row, [lo, hi]) {
-            return false;
-        }
-    }
-    true
+    (first..).zip(lo.iter().zip(hi)).all(|(row, (&lo, &hi))| is_row_taken(cover, row, [lo, hi]))
 }
 
 /// Whether detail is seen in all pixels of a row from one column up to another.
 #[inline(always)]
-fn is_row_taken<W: Wide>(cover: &Cover<'_>, row: i32, [lo, hi]: [i32; 2]) -> bool {
+fn is_row_taken(cover: &Cover<'_>, row: i32, [lo, hi]: [i32; 2]) -> bool {
     let below = (row - cover.top) as usize;
     if lo >= hi {
         return true;
     }
-    if !cover.rows[below] {
+    if !cover.is_drawn(below) {
         return false;
     }
-    let start = below * Cover::blocks(cover.width);
-    for block in lo as usize / WIDE..=(hi as usize - 1) / WIDE {
-        let at = start + block;
-        if !cover.touched[at] || W::load(&cover.near[at]).zero() & between(block, lo, hi) != 0 {
+    for block in lo as usize / WIDE..(hi as usize).div_ceil(WIDE) {
+        if between(block, lo, hi) & !cover.shown(below, block) != 0 {
             return false;
         }
     }
@@ -403,9 +407,6 @@ fn follow<W: Wide>([lo, hi]: [&[i32]; 2], top: i32, rows: [i32; 2], deep: &Deep,
     }
 }
 
-/// All rows of a tile, row i as bit i.
-const EIGHT: u32 = 0xff;
-
 /// Draws a triangle.
 struct Drawing<'d, 'c, T> {
     cover: &'d mut Cover<'c>,
@@ -422,7 +423,7 @@ impl<T: Tint> Ink for Drawing<'_, '_, T> {
 
 /// Notes a triangle as a layer.
 struct Glazing<'d, 'c> {
-    cover: &'d Cover<'c>,
+    cover: &'d mut Cover<'c>,
     deep: &'d Deep,
     layers: &'d mut Layers,
 }
@@ -436,15 +437,16 @@ impl Ink for Glazing<'_, '_> {
         for i in (0..ROWS).filter(|i| there >> i & 1 != 0) {
             let start = deep.near[1] * f64::from(row + i as i32) + deep.near[2];
             for block in lo[i] as usize / WIDE..=(hi[i] as usize - 1) / WIDE {
-                let at = (below + i) * blocks + block;
                 let first = (deep.near[0] * (block * WIDE) as f64 + start) as f32;
                 let mut mask = between(block, lo[i], hi[i]);
-                if cover.touched[at] {
+                let (below, shown) = (below + i, cover.shown(below + i, block));
+                if shown != 0 {
                     let near = W::count().mul_add(step, W::splat(first));
-                    mask &= near.greater(W::load(&cover.near[at]));
+                    let known = cover.near::<W>(below / ROWS * blocks + block);
+                    mask &= near.greater(W::load(&known[below % ROWS])) | !shown;
                 }
                 if mask != 0 {
-                    layers.add(at, first, mask);
+                    layers.add(below * blocks + block, first, mask);
                 }
             }
         }
@@ -457,68 +459,81 @@ fn draw_tiles<W: Wide, T: Tint>(
     cover: &mut Cover<'_>,
     row: i32,
     there: u32,
-    [lo, hi]: [[i32; ROWS]; 2],
+    [mut lo, mut hi]: [[i32; ROWS]; 2],
     deep: &Deep,
     tint: &T,
 ) {
     // The columns of any row, and those of all.
     let (mut left, mut right) = (i32::MAX, 0);
-    let [mut inner_left, mut inner_right] = if there == EIGHT { [0, i32::MAX] } else { [0; 2] };
+    let [mut inner_left, mut inner_right] = [0, i32::MAX];
     for i in 0..ROWS {
         let is_there = there >> i & 1 != 0;
-        left = left.min(if is_there { lo[i] } else { i32::MAX });
-        right = right.max(if is_there { hi[i] } else { 0 });
+        lo[i] = if is_there { lo[i] } else { i32::MAX };
+        hi[i] = if is_there { hi[i] } else { 0 };
+        left = left.min(lo[i]);
+        right = right.max(hi[i]);
         inner_left = inner_left.max(lo[i]);
         inner_right = inner_right.min(hi[i]);
     }
     let (width, blocks) = (cover.width, Cover::blocks(cover.width));
     let below = (row - cover.top) as usize;
-    let tiles = &mut cover.tiles[below / ROWS * blocks..][..blocks];
+    let (tiles, above) = (below / ROWS * blocks, below % ROWS);
+    cover.drawn[below / ROWS] = true;
     let start = deep.near[1] * f64::from(row) + deep.near[2];
     // Where in a tile it is nearest.
     let ahead = deep.near[0].max(0.0) * (WIDE - 1) as f64 + deep.near[1].max(0.0) * (ROWS - 1) as f64;
     let behind = deep.near[0].min(0.0) * (WIDE - 1) as f64 + deep.near[1].min(0.0) * (ROWS - 1) as f64;
     // From the first row of the tile on.
-    let before = deep.near[1] * (below % ROWS) as f64;
+    let before = deep.near[1] * above as f64;
     let slopes = [deep.near[0] as f32, deep.near[1] as f32];
     let step = W::splat(slopes[0]);
+    let rows = tint.rows(row as f32);
+    let borders = [W::Columns::load(&lo), W::Columns::load(&hi)];
     for block in left as usize / WIDE..=(right as usize - 1) / WIDE {
-        let first = block * WIDE;
+        let (first, at) = (block * WIDE, tiles + block);
         let corner = deep.near[0] * first as f64 + start;
-        let tile = &mut tiles[block];
+        let tile = &mut cover.tiles[at];
         let nearest = (corner + ahead).min(deep.nearest) as f32;
         let plane = [slopes[0], slopes[1], (corner - before) as f32];
         if nearest <= tile.far.abs() || tile.is_before(plane) {
             continue;
         }
-        let fills = inner_left <= first as i32 && inner_right >= (first + WIDE) as i32;
-        tile.draw(plane, fills.then_some((corner + behind) as f32));
         let columns = W::splat(first as f32).add(W::count());
-        let mut rest = there;
+        let fills = inner_left <= first as i32 && inner_right >= (first + WIDE) as i32;
+        if fills && tile.is_free() {
+            cover.lay(at, [deep.near[0], deep.near[1], corner], corner + behind);
+            let lines = cover.pixels[below * width..].chunks_mut(width);
+            for (line, same) in lines.zip(rows) {
+                put::<W>(line, block, tint.pixels(same, columns), ALL);
+            }
+            continue;
+        }
+        tile.draw(plane, fills.then_some((corner + behind) as f32));
+        let (is_free, mut shown) = (tile.is_free(), tile.shown);
+        let (known, pixels) = cover.near_and_pixels::<W>(at);
+        let (masks, mut rest) = borders[0].up_to(borders[1], first as i32);
+        let starts = starts([deep.near[0], deep.near[1], corner]);
+        // No branches but these: what a row of a triangle's edge does cannot be guessed.
         while rest != 0 {
             let i = rest.trailing_zeros() as usize % ROWS;
             rest &= rest - 1;
-            let mut mask = between(block, lo[i], hi[i]);
-            if mask == 0 {
-                continue;
-            }
-            let at = (below + i) * blocks + block;
-            let near = W::count().mul_add(step, W::splat((corner + deep.near[1] * i as f64) as f32));
-            let known = &mut cover.near[at];
-            if cover.touched[at] {
-                mask &= near.greater(W::load(known).mul(W::splat(NEARER)));
+            let in_tile = (above + i) % ROWS;
+            let near = W::count().mul_add(step, W::splat(starts[i]));
+            let (mut mask, known, shown) = (masks[i], &mut known[in_tile], &mut shown[in_tile]);
+            if is_free {
+                // Where it is not shown, it does not count.
+                near.store(known);
+            } else {
+                mask &= near.greater(W::load(known).mul(W::splat(NEARER))) | !u32::from(*shown);
                 if mask == 0 {
                     continue;
                 }
                 near.put(mask, known);
-            } else {
-                cover.touched[at] = true;
-                cover.rows[below + i] = true;
-                near.put_or_zero(mask, known);
             }
-            let line = &mut cover.pixels[(below + i) * width..][..width];
-            let same = tint.row((row + i as i32) as f32);
-            put::<W>(line, block, tint.pixels(same, columns), mask);
+            *shown |= mask as u16;
+            let line = &mut pixels[(below + i) * width..][..width];
+            put_some::<W>(line, block, tint.pixels(rows[i], columns), mask);
         }
+        cover.tiles[at].shown = shown;
     }
 }

@@ -72,11 +72,6 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        pub(super) fn is_taken(borders: [&[i32]; 2], cover: &super::cover::Cover<'_>, first: i32) -> bool {
-            super::kernels::is_taken::<$wide>(borders, cover, first)
-        }
-
-        #[target_feature(enable = $features)]
         pub(super) fn boxes(
             sight: &super::sight::Sight,
             node: &crate::format::records::NodeRecord,
@@ -220,11 +215,6 @@ pub(super) fn melt(
     unsure: &mut Vec<[i32; 3]>,
 ) {
     by_kernel!(kernel, melt, <>, (layers, cover, square, unsure));
-}
-
-#[inline]
-pub(super) fn is_taken(kernel: Kernel, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
-    by_kernel!(kernel, is_taken, <>, (borders, cover, first))
 }
 
 /// Makes a band of rows by packets.

@@ -31,12 +31,10 @@ pub(crate) trait Wide: Copy {
     fn inverse_root(self) -> Self;
     /// Where it is greater than another, pixel i as bit i.
     fn greater(self, other: Self) -> u32;
-    /// Where it is 0.
-    fn zero(self) -> u32;
     /// Written where `mask` says.
     fn put(self, mask: u32, to: &mut [f32; WIDE]);
-    /// Itself where `mask` says, else 0, written to all.
-    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]);
+    /// Written to all.
+    fn store(self, to: &mut [f32; WIDE]);
 
     /// The same for all.
     fn words(x: u32) -> Self::Words;
@@ -58,6 +56,9 @@ pub(crate) trait Columns: Copy {
     fn max(self, other: Self) -> Self;
     /// Where it is less than another, row i as bit i.
     fn less(self, other: Self) -> u32;
+    /// Which of the sixteen columns from the `first` on are from this one up to another, column i as bit i: of each row; and which rows have any. What
+    /// is up to a column less than this one is none.
+    fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32);
 }
 
 /// Where a line passes each of eight rows, in columns. The same bits on every instruction set.
@@ -143,16 +144,12 @@ impl Wide for Portable {
         bits(|i| self.0[i] > other.0[i])
     }
     #[inline(always)]
-    fn zero(self) -> u32 {
-        bits(|i| self.0[i] == 0.0)
-    }
-    #[inline(always)]
     fn put(self, mask: u32, to: &mut [f32; WIDE]) {
         *to = each!(WIDE, Default::default(), |i| if mask >> i & 1 != 0 { self.0[i] } else { to[i] });
     }
     #[inline(always)]
-    fn put_or_zero(self, mask: u32, to: &mut [f32; WIDE]) {
-        *to = each!(WIDE, Default::default(), |i| if mask >> i & 1 != 0 { self.0[i] } else { 0.0 });
+    fn store(self, to: &mut [f32; WIDE]) {
+        *to = self.0;
     }
     #[inline(always)]
     fn words(x: u32) -> Self::Words {
@@ -199,6 +196,15 @@ impl Columns for PortableColumns {
     #[inline(always)]
     fn less(self, other: Self) -> u32 {
         (0..ROWS).fold(0, |bits, i| bits | u32::from(self.0[i] < other.0[i]) << i)
+    }
+    #[inline(always)]
+    fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32) {
+        let bits = each!(ROWS, 0, |i| {
+            let from = (self.0[i] - first).clamp(0, WIDE as i32);
+            let to = (end.0[i] - first).clamp(from, WIDE as i32);
+            (1 << to) - (1 << from)
+        });
+        (bits, (0..ROWS).fold(0, |rows, i| rows | u32::from(bits[i] != 0) << i))
     }
 }
 
@@ -279,16 +285,14 @@ pub(crate) mod tests {
             let exact = (a[i].abs() + 0.25).sqrt();
             assert!((roots[i] * exact - 1.0).abs() < 4e-4, "{} {exact}", roots[i]);
             assert_eq!(wide_a.greater(wide_b) >> i & 1, u32::from(a[i] > b[i]));
-            assert_eq!(W::load(&[0.0; WIDE]).zero(), ALL);
-            assert_eq!(W::count().zero(), 1);
         }
         let mask = 0b1010_0110_0101_1001;
         let is_set = |i: usize| mask >> i & 1 != 0;
         let mut out = b;
         wide_a.put(mask, &mut out);
         assert_eq!(out, some(|i| if is_set(i) { a[i] } else { b[i] }));
-        wide_a.put_or_zero(mask, &mut out);
-        assert_eq!(out, some(|i| if is_set(i) { a[i] } else { 0.0 }));
+        wide_a.store(&mut out);
+        assert_eq!(out, a);
         assert_eq!(words::<W>(W::words(77)), [77; WIDE]);
         let mut out = [9; WIDE];
         W::put_words(W::words(77), mask, &mut out);
@@ -314,6 +318,10 @@ pub(crate) mod tests {
         assert_eq!(a.min(b).store(), std::array::from_fn(|i| lo[i].min(hi[i])));
         assert_eq!(a.max(b).store(), std::array::from_fn(|i| lo[i].max(hi[i])));
         assert_eq!(a.less(b), 0b1000_0110);
+        let [a, b] =
+            [[3, -9, 20, 36, 19, 16, 40, 9], [5, 90, 30, 40, 20, 17, 90, 4]].map(|c| W::Columns::load(&c));
+        assert_eq!(a.up_to(b, 20), ([0, ALL, 0x3ff, 0, 0, 0, 0, 0], 0b110));
+        assert_eq!(a.up_to(b, 4), ([1, ALL, 0, 0, 0x8000, 0x1000, 0, 0], 0b11_0011));
     }
 
     #[test]

@@ -113,7 +113,7 @@ impl Band<'_, '_, '_> {
     pub(crate) fn run<W: Wide>(&mut self) {
         let (width, top) = (self.canvas.cover.width as i32, self.canvas.cover.top);
         let way = Way { node: self.root, before: NONE, cells: 0 };
-        let end = top + self.canvas.cover.rows.len() as i32;
+        let end = top + self.canvas.cover.height as i32;
         for y in (top..end).step_by(LARGEST as usize) {
             for x in (0..width).step_by(LARGEST as usize) {
                 let to = [(x + LARGEST).min(width), (y + LARGEST).min(end)];
@@ -409,14 +409,14 @@ fn all<W: Wide>(cover: &mut Cover<'_>, packet: &Packet, tint: &impl Tint) {
     let ([x0, y0], [x1, y1]) = (packet.from, packet.to);
     let first = W::splat(x0 as f32).add(W::count());
     let step = W::splat(WIDE as f32);
-    let blocks = Cover::blocks(cover.width);
     for row in y0..y1 {
         let below = (row - cover.top) as usize;
-        let line = &mut cover.pixels[below * cover.width..(below + 1) * cover.width];
         let same = tint.row(row as f32);
         let mut columns = first;
-        if !cover.rows[below] && (x1 as usize).is_multiple_of(WIDE) {
-            let (whole, _) = line[x0 as usize..x1 as usize].as_chunks_mut::<WIDE>();
+        let drawn = cover.is_drawn(below);
+        let line = below * cover.width..(below + 1) * cover.width;
+        if !drawn && (x1 as usize).is_multiple_of(WIDE) {
+            let (whole, _) = cover.pixels[line][x0 as usize..x1 as usize].as_chunks_mut::<WIDE>();
             for block in whole {
                 W::put_all(tint.pixels(same, columns), block);
                 columns = columns.add(step);
@@ -424,9 +424,9 @@ fn all<W: Wide>(cover: &mut Cover<'_>, packet: &Packet, tint: &impl Tint) {
             continue;
         }
         for block in x0 as usize / WIDE..(x1 as usize).div_ceil(WIDE) {
-            let free = free::<W>(cover.touched, cover.near, below * blocks + block);
+            let free = ALL & !cover.shown(below, block);
             if free != 0 {
-                put::<W>(line, block, tint.pixels(same, columns), free);
+                put::<W>(&mut cover.pixels[line.clone()], block, tint.pixels(same, columns), free);
             }
             columns = columns.add(step);
         }
@@ -437,7 +437,7 @@ fn all<W: Wide>(cover: &mut Cover<'_>, packet: &Packet, tint: &impl Tint) {
 #[inline(always)]
 fn some<W: Wide>(cover: &mut Cover<'_>, from: [i32; 2], bits: u64, tint: &impl Tint) {
     let columns = W::splat(from[0] as f32).add(W::count());
-    let (blocks, block) = (Cover::blocks(cover.width), from[0] as usize / WIDE);
+    let block = from[0] as usize / WIDE;
     for j in 0..ROWS {
         let mut mask = (bits >> (WIDE * j)) as u32 & ALL;
         if mask == 0 {
@@ -445,14 +445,8 @@ fn some<W: Wide>(cover: &mut Cover<'_>, from: [i32; 2], bits: u64, tint: &impl T
         }
         let row = from[1] + j as i32;
         let below = (row - cover.top) as usize;
-        mask &= free::<W>(cover.touched, cover.near, below * blocks + block);
+        mask &= !cover.shown(below, block);
         let line = &mut cover.pixels[below * cover.width..(below + 1) * cover.width];
         put::<W>(line, block, tint.pixels(tint.row(row as f32), columns), mask);
     }
-}
-
-/// Which pixels of a block show no triangle yet.
-#[inline(always)]
-fn free<W: Wide>(touched: &[bool], near: &[[f32; WIDE]], block: usize) -> u32 {
-    if touched[block] { W::load(&near[block]).zero() } else { ALL }
 }
