@@ -4,16 +4,18 @@
 use std::arch::x86_64::{
     __m128i, __m256, __m256d, __m256i, _CMP_GT_OQ, _mm_castsi128_ps, _mm_cmpeq_epi32, _mm_cmplt_epi32,
     _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32, _mm_movemask_ps, _mm_set1_epi32, _mm_setzero_si128,
-    _mm_sllv_epi32, _mm_storeu_si128, _mm_sub_epi32, _mm256_add_pd, _mm256_add_ps, _mm256_and_si256,
-    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
-    _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32, _mm256_fmadd_ps, _mm256_loadu_ps,
-    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_or_si256,
-    _mm256_rsqrt_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi32, _mm256_setr_pd,
-    _mm256_setr_ps, _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256,
+    _mm_sllv_epi32, _mm_storeu_si128, _mm_sub_epi32, _mm256_add_epi16, _mm256_add_pd, _mm256_add_ps,
+    _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256,
+    _mm256_castsi256_ps, _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32,
+    _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd,
+    _mm256_mul_ps, _mm256_mulhrs_epi16, _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi16,
+    _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi16, _mm256_setr_epi32, _mm256_setr_pd,
+    _mm256_setr_ps, _mm256_slli_epi32, _mm256_srli_epi16, _mm256_storeu_ps, _mm256_storeu_si256,
+    _mm256_sub_epi16,
 };
 
 use super::simd::entries;
-use super::wide::{Columns, FARTHEST, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
+use super::wide::{Columns, FARTHEST, HALF_UP, Levels, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
 
 /// Sixteen f32 in two registers. Private to this module and used only inside the functions that `entries` compiles for it, which are called only
 /// where the CPU has what they need: that is the SAFETY of every intrinsic here.
@@ -152,6 +154,30 @@ impl Wide for Avx2 {
         [bytes([r, g, b]), bytes([s, h, c])]
     }
     #[inline(always)]
+    fn levels(self, color: &[f32; 3]) -> Levels {
+        let (mut red_blue, mut green) = ([0; WIDE], [0; WIDE]);
+        for half in 0..2 {
+            let (to_red_blue, to_green) = (&mut red_blue[8 * half..][..8], &mut green[8 * half..][..8]);
+            // SAFETY: see `Avx2`; each half of the arrays has room for eight, and no alignment is needed.
+            unsafe {
+                let (half_up, low) = (_mm256_set1_ps(HALF_UP), _mm256_set1_epi32(0xffff));
+                let factor = _mm256_mul_ps(self.0[half], _mm256_set1_ps(256.0));
+                let r = _mm256_castps_si256(_mm256_fmadd_ps(factor, _mm256_set1_ps(color[0]), half_up));
+                let g = _mm256_castps_si256(_mm256_fmadd_ps(factor, _mm256_set1_ps(color[1]), half_up));
+                let b = _mm256_castps_si256(_mm256_fmadd_ps(factor, _mm256_set1_ps(color[2]), half_up));
+                let r = _mm256_or_si256(_mm256_and_si256(r, low), _mm256_slli_epi32::<16>(b));
+                let g = _mm256_or_si256(_mm256_and_si256(g, low), _mm256_set1_epi32(OPAQUE as i32));
+                _mm256_storeu_si256(to_red_blue.as_mut_ptr().cast(), r);
+                _mm256_storeu_si256(to_green.as_mut_ptr().cast(), g);
+            }
+        }
+        Levels { red_blue, green }
+    }
+    #[inline(always)]
+    fn ramp(levels: &Levels, from: usize, to: usize) -> Self::Words {
+        ramp(levels, from, to)
+    }
+    #[inline(always)]
     fn put_words([a, b]: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
         // SAFETY: see `Avx2`.
         let numbers = unsafe { [_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)] };
@@ -180,6 +206,30 @@ fn bytes([red, green, blue]: [__m256; 3]) -> __m256i {
         let (green, blue) = (_mm256_slli_epi32::<8>(green), _mm256_slli_epi32::<16>(blue));
         let opaque = _mm256_set1_epi32(OPAQUE as i32);
         _mm256_or_si256(_mm256_or_si256(red, green), _mm256_or_si256(blue, opaque))
+    }
+}
+
+/// As [`Wide::ramp`].
+#[inline(always)]
+fn ramp(levels: &Levels, from: usize, to: usize) -> [__m256i; 2] {
+    let (from, to) = (from % WIDE, to % WIDE);
+    // SAFETY: see `Avx2`.
+    unsafe {
+        // Of 2^15, for both halves of each word.
+        let first = _mm256_setr_epi16(
+            0, 0, 2048, 2048, 4096, 4096, 6144, 6144, 8192, 8192, 10240, 10240, 12288, 12288, 14336, 14336,
+        );
+        let second = _mm256_add_epi16(first, _mm256_set1_epi16(16384));
+        let red_blue = _mm256_set1_epi32(levels.red_blue[from] as i32);
+        let green = _mm256_set1_epi32(levels.green[from] as i32);
+        let by_red_blue = _mm256_sub_epi16(_mm256_set1_epi32(levels.red_blue[to] as i32), red_blue);
+        let by_green = _mm256_sub_epi16(_mm256_set1_epi32(levels.green[to] as i32), green);
+        let upper = _mm256_set1_epi16(0xff00u16 as i16);
+        let r = _mm256_add_epi16(red_blue, _mm256_mulhrs_epi16(by_red_blue, first));
+        let s = _mm256_add_epi16(red_blue, _mm256_mulhrs_epi16(by_red_blue, second));
+        let g = _mm256_and_si256(_mm256_add_epi16(green, _mm256_mulhrs_epi16(by_green, first)), upper);
+        let h = _mm256_and_si256(_mm256_add_epi16(green, _mm256_mulhrs_epi16(by_green, second)), upper);
+        [_mm256_or_si256(_mm256_srli_epi16::<8>(r), g), _mm256_or_si256(_mm256_srli_epi16::<8>(s), h)]
     }
 }
 

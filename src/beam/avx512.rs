@@ -5,16 +5,17 @@ use std::arch::x86_64::{
     __m256i, __m512, __m512d, __m512i, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
     _mm256_cmplt_epi32_mask, _mm256_cmpneq_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32,
     _mm256_min_epi32, _mm256_set1_epi32, _mm256_setzero_si256, _mm256_sllv_epi32, _mm256_storeu_si256,
-    _mm256_sub_epi32, _mm512_abs_ps, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512,
-    _mm512_cmp_ps_mask, _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_mask_max_pd,
-    _mm512_mask_min_pd, _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps, _mm512_max_pd, _mm512_min_pd,
-    _mm512_mul_pd, _mm512_mul_ps, _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps,
-    _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_slli_epi32,
-    _mm512_storeu_ps, _mm512_storeu_si512,
+    _mm256_sub_epi32, _mm512_abs_ps, _mm512_add_epi16, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512,
+    _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mask_max_pd, _mm512_mask_min_pd, _mm512_mask_storeu_epi32,
+    _mm512_mask_storeu_ps, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_mul_ps, _mm512_mulhrs_epi16,
+    _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps, _mm512_set1_epi16, _mm512_set1_epi32,
+    _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_slli_epi32, _mm512_srli_epi16,
+    _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi16,
 };
 
 use super::simd::entries;
-use super::wide::{Columns, FARTHEST, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
+use super::wide::{Columns, FARTHEST, HALF_UP, Levels, Lines, MAGIC, OPAQUE, ROWS, WIDE, Wide};
 
 /// Sixteen f32 in a register. Private to this module and used only inside the functions that `entries` compiles for it, which are called only
 /// where the CPU has what they need: that is the SAFETY of every intrinsic here.
@@ -24,6 +25,17 @@ struct Avx512(__m512);
 /// Eight columns in a register. As [`Avx512`].
 #[derive(Clone, Copy)]
 struct Avx512Columns(__m256i);
+
+/// Sixteenths, of 2^15, from pixel to pixel, for both halves of each word.
+static SIXTEENTHS: [i16; 2 * WIDE] = {
+    let mut all = [0; 2 * WIDE];
+    let mut i = 0;
+    while i < 2 * WIDE {
+        all[i] = (i / 2 * 2048) as i16;
+        i += 1;
+    }
+    all
+};
 
 impl Wide for Avx512 {
     type Columns = Avx512Columns;
@@ -103,6 +115,42 @@ impl Wide for Avx512 {
             let blue = _mm512_slli_epi32::<16>(byte(blue));
             let opaque = _mm512_set1_epi32(OPAQUE as i32);
             _mm512_or_si512(_mm512_or_si512(byte(red), green), _mm512_or_si512(blue, opaque))
+        }
+    }
+    #[inline(always)]
+    fn levels(self, color: &[f32; 3]) -> Levels {
+        let (mut red_blue, mut green) = ([0; WIDE], [0; WIDE]);
+        // SAFETY: see `Avx512`; the arrays have room for the sixteen, and no alignment is needed.
+        unsafe {
+            let (half_up, low) = (_mm512_set1_ps(HALF_UP), _mm512_set1_epi32(0xffff));
+            let factor = _mm512_mul_ps(self.0, _mm512_set1_ps(256.0));
+            let r = _mm512_castps_si512(_mm512_fmadd_ps(factor, _mm512_set1_ps(color[0]), half_up));
+            let g = _mm512_castps_si512(_mm512_fmadd_ps(factor, _mm512_set1_ps(color[1]), half_up));
+            let b = _mm512_castps_si512(_mm512_fmadd_ps(factor, _mm512_set1_ps(color[2]), half_up));
+            let r = _mm512_and_si512(r, low);
+            let g = _mm512_and_si512(g, low);
+            let r = _mm512_or_si512(r, _mm512_slli_epi32::<16>(b));
+            let g = _mm512_or_si512(g, _mm512_set1_epi32(OPAQUE as i32));
+            _mm512_storeu_si512(red_blue.as_mut_ptr().cast(), r);
+            _mm512_storeu_si512(green.as_mut_ptr().cast(), g);
+        }
+        Levels { red_blue, green }
+    }
+    #[inline(always)]
+    fn ramp(levels: &Levels, from: usize, to: usize) -> Self::Words {
+        let (from, to) = (from % WIDE, to % WIDE);
+        // SAFETY: see `Avx512`.
+        unsafe {
+            // Of 2^15, for both halves of each word.
+            let by = _mm512_loadu_si512(SIXTEENTHS.as_ptr().cast());
+            let red_blue = _mm512_set1_epi32(levels.red_blue[from] as i32);
+            let green = _mm512_set1_epi32(levels.green[from] as i32);
+            let by_red_blue = _mm512_sub_epi16(_mm512_set1_epi32(levels.red_blue[to] as i32), red_blue);
+            let by_green = _mm512_sub_epi16(_mm512_set1_epi32(levels.green[to] as i32), green);
+            let red_blue = _mm512_add_epi16(red_blue, _mm512_mulhrs_epi16(by_red_blue, by));
+            let green = _mm512_add_epi16(green, _mm512_mulhrs_epi16(by_green, by));
+            let upper = _mm512_set1_epi16(0xff00u16 as i16);
+            _mm512_or_si512(_mm512_srli_epi16::<8>(red_blue), _mm512_and_si512(green, upper))
         }
     }
     #[inline(always)]
@@ -205,4 +253,4 @@ impl Lines for Avx512Lines {
     }
 }
 
-entries!(Avx512, "avx2,fma,bmi1,bmi2,popcnt,avx512f,avx512vl,avx512dq");
+entries!(Avx512, "avx2,fma,bmi1,bmi2,popcnt,avx512f,avx512vl,avx512dq,avx512bw");

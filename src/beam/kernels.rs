@@ -2,13 +2,13 @@
 
 use glam::{DVec3, Vec3};
 
-use super::cover::{Cover, starts};
+use super::cover::{Cover, Tile, starts};
 use super::glass::{Layer, Layers};
 use super::rows::Region;
 use super::shade::Shading;
 use super::sight::{Boxes, Places, Sight};
 use super::simd;
-use super::wide::{ALL, Columns, FARTHEST, Lines, ROWS, WIDE, Wide};
+use super::wide::{ALL, Columns, FARTHEST, Levels, Lines, ROWS, WIDE, Wide};
 use crate::format::records::{BlockRecord, NodeRecord};
 use crate::trace::Kernel;
 
@@ -110,18 +110,25 @@ pub(crate) trait Tint {
     /// What is the same for all pixels of a row.
     fn row(&self, y: f32) -> [f32; 2];
 
-    /// The same of eight rows, the first of them at `y`.
+    /// The same of eight rows, the first of them at `y`, twice.
     #[inline(always)]
-    fn rows(&self, y: f32) -> [[f32; 2]; ROWS] {
-        let mut rows = [[0.0; 2]; ROWS];
-        for (i, row) in rows.iter_mut().enumerate() {
-            *row = self.row(y + i as f32);
+    fn rows(&self, y: f32) -> [[f32; WIDE]; 2] {
+        let mut rows = [[0.0; WIDE]; 2];
+        for i in 0..WIDE {
+            let [grows, square] = self.row(y + (i % ROWS) as f32);
+            (rows[0][i], rows[1][i]) = (grows, square);
         }
         rows
     }
 
     /// The pixels of some columns.
     fn pixels<W: Wide>(&self, row: [f32; 2], columns: W) -> W::Words;
+
+    /// Whether, in all rows from one to another and the columns `of` to each other, each sixteen pixels from one end to the other are as a ramp has them.
+    fn is_even(&self, rows: [[f32; 2]; 2], of: [f32; 2]) -> bool;
+
+    /// What pixels become from which ramps are made: each in its row and column.
+    fn levels<W: Wide>(&self, rows: [W; 2], columns: W) -> Levels;
 }
 
 /// All pixels become the same.
@@ -137,6 +144,16 @@ impl Tint for Flat {
     fn pixels<W: Wide>(&self, _: [f32; 2], _: W) -> W::Words {
         W::words(self.0)
     }
+
+    #[inline(always)]
+    fn is_even(&self, _: [[f32; 2]; 2], _: [f32; 2]) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn levels<W: Wide>(&self, _: [W; 2], _: W) -> Levels {
+        Levels { red_blue: [0; WIDE], green: [0; WIDE] }
+    }
 }
 
 impl Tint for Shading {
@@ -149,16 +166,41 @@ impl Tint for Shading {
 
     #[inline(always)]
     fn pixels<W: Wide>(&self, [grows, square]: [f32; 2], columns: W) -> W::Words {
-        /// Its root is no number that could be seen, and can be divided by.
-        const DARK: f32 = 1e-12;
-        let cosine = columns.mul_add(W::splat(self.grows[0]), W::splat(grows)).abs();
-        let size = columns.mul_add(W::splat(self.square[4]), W::splat(self.square[1]));
-        let size = size.mul_add(columns, W::splat(square));
-        let bright = cosine.mul_add(size.inverse_root(), W::splat(DARK));
-        let bright = bright.mul(bright.inverse_root());
-        // No closures where lanes are worked with: they are functions by themselves, compiled for any CPU.
+        let bright = self.bright([W::splat(grows), W::splat(square)], columns);
         let [red, green, blue] = self.color;
         W::bytes(bright.mul(W::splat(red)), bright.mul(W::splat(green)), bright.mul(W::splat(blue)))
+    }
+
+    #[inline(always)]
+    fn is_even(&self, rows: [[f32; 2]; 2], of: [f32; 2]) -> bool {
+        // No closures where lanes are worked with: they are functions by themselves, compiled for any CPU.
+        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+        for [grows, _] in rows {
+            for column in of {
+                let grown = self.grows[0] * column + grows;
+                (least, most) = (least.min(grown), most.max(grown));
+            }
+        }
+        least.max(-most) >= self.steep
+    }
+
+    #[inline(always)]
+    fn levels<W: Wide>(&self, rows: [W; 2], columns: W) -> Levels {
+        self.bright(rows, columns).levels(&self.color)
+    }
+}
+
+impl Shading {
+    /// How bright each pixel is in its row and column, from 0 to 1.
+    #[inline(always)]
+    fn bright<W: Wide>(&self, [grows, square]: [W; 2], columns: W) -> W {
+        /// Its root is no number that could be seen, and can be divided by.
+        const DARK: f32 = 1e-12;
+        let cosine = columns.mul_add(W::splat(self.grows[0]), grows).abs();
+        let size = columns.mul_add(W::splat(self.square[4]), W::splat(self.square[1]));
+        let size = size.mul_add(columns, square);
+        let bright = cosine.mul_add(size.inverse_root(), W::splat(DARK));
+        bright.mul(bright.inverse_root())
     }
 }
 
@@ -277,6 +319,9 @@ fn put_some<W: Wide>(line: &mut [u32], block: usize, words: W::Words, mask: u32)
 
 #[inline(always)]
 pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) {
+    /// Ramps of a row that are made ready together: between as many pixels as are side by side. For less than the least it is not worth it.
+    const MOST: usize = WIDE - 1;
+    const LEAST: usize = 3;
     let (width, blocks) = (cover.width, Cover::blocks(cover.width));
     let start = (first - cover.top) as usize;
     let lines = cover.pixels.chunks_mut(width).skip(start);
@@ -284,32 +329,111 @@ pub(super) fn fill<W: Wide, T: Tint>([lo, hi]: [&[i32]; 2], cover: &mut Cover<'_
         if lo >= hi {
             continue;
         }
-        let same = tint.row((cover.top + below as i32) as f32);
-        let (from, to) = (lo as usize / WIDE, (hi as usize - 1) / WIDE);
-        let mut columns = W::splat((from * WIDE) as f32).add(W::count());
-        let step = W::splat(WIDE as f32);
-        if cover.drawn[below / ROWS] {
-            let tiles = &cover.tiles[below / ROWS * blocks..][..blocks];
-            for (block, tile) in (from..=to).zip(&tiles[from..]) {
-                let mask = between(block, lo, hi) & !u32::from(tile.shown[below % ROWS]);
-                if mask != 0 {
-                    put::<W>(line, block, tint.pixels(same, columns), mask);
-                }
-                columns = columns.add(step);
+        let row = tint.row((cover.top + below as i32) as f32);
+        let tiles = cover.drawn[below / ROWS].then(|| &cover.tiles[below / ROWS * blocks..][..blocks]);
+        let mut span = Span { line, lo, hi, tiles, in_tile: below % ROWS };
+        let (mut from, to) = (lo as usize / WIDE, (hi as usize).div_ceil(WIDE));
+        while from < to {
+            let until = to.min(from + MOST);
+            let ends = [(from * WIDE) as f32, (until * WIDE) as f32];
+            if until >= from + LEAST && tint.is_even([row; 2], ends) {
+                let columns = W::count().mul_add(W::splat(WIDE as f32), W::splat(ends[0]));
+                let levels = tint.levels::<W>([W::splat(row[0]), W::splat(row[1])], columns);
+                span.put::<W>(from, until, &Ramps { levels, first: from });
+            } else {
+                span.put::<W>(from, until, &Tinted { tint, row });
             }
-            continue;
+            from = until;
         }
-        put::<W>(line, from, tint.pixels(same, columns), between(from, lo, hi));
-        if from == to {
-            continue;
+    }
+}
+
+/// What the blocks of a row become.
+trait Blocks {
+    fn words<W: Wide>(&self, block: usize) -> W::Words;
+}
+
+/// By ramps, the first of them that of a block.
+struct Ramps {
+    levels: Levels,
+    first: usize,
+}
+
+impl Blocks for Ramps {
+    #[inline(always)]
+    fn words<W: Wide>(&self, block: usize) -> W::Words {
+        W::ramp(&self.levels, block - self.first, block - self.first + 1)
+    }
+}
+
+/// Each pixel by itself.
+struct Tinted<'t, T> {
+    tint: &'t T,
+    row: [f32; 2],
+}
+
+impl<T: Tint> Blocks for Tinted<'_, T> {
+    #[inline(always)]
+    fn words<W: Wide>(&self, block: usize) -> W::Words {
+        self.tint.pixels(self.row, W::splat((block * WIDE) as f32).add(W::count()))
+    }
+}
+
+/// Part of a row.
+struct Span<'l> {
+    line: &'l mut [u32],
+    lo: i32,
+    hi: i32,
+    /// What its row of tiles shows, if it shows any detail, and which of its rows it is.
+    tiles: Option<&'l [Tile]>,
+    in_tile: usize,
+}
+
+impl Span<'_> {
+    /// Writes what is free of some of its blocks.
+    #[inline(always)]
+    fn put<W: Wide>(&mut self, from: usize, until: usize, source: &impl Blocks) {
+        let (lo, hi) = (self.lo, self.hi);
+        // Of the first and the last not all, perhaps.
+        let inner = [from.max((lo as usize).div_ceil(WIDE)), until.min(hi as usize / WIDE)];
+        if from < inner[0] {
+            self.put_some::<W>(from, source);
         }
-        let (whole, _) = line.as_chunks_mut::<WIDE>();
-        for block in &mut whole[from + 1..to] {
-            columns = columns.add(step);
-            W::put_all(tint.pixels(same, columns), block);
+        let (whole, _) = self.line.as_chunks_mut::<WIDE>();
+        if let Some(whole) = whole.get_mut(inner[0]..inner[1]) {
+            let tiles = self.tiles.and_then(|tiles| tiles.get(inner[0]..inner[1]));
+            match tiles {
+                None => {
+                    for (block, to) in (inner[0]..).zip(whole) {
+                        W::put_all(source.words::<W>(block), to);
+                    }
+                }
+                Some(tiles) => {
+                    for ((block, to), tile) in (inner[0]..).zip(whole).zip(tiles) {
+                        let shown = u32::from(tile.shown[self.in_tile]);
+                        if shown == 0 {
+                            W::put_all(source.words::<W>(block), to);
+                        } else if shown != ALL {
+                            W::put_words(source.words::<W>(block), ALL & !shown, to);
+                        }
+                    }
+                }
+            }
         }
-        columns = columns.add(step);
-        put::<W>(line, to, tint.pixels(same, columns), between(to, lo, hi));
+        let last = inner[0].max(inner[1]);
+        if last < until {
+            self.put_some::<W>(last, source);
+        }
+    }
+
+    /// Writes what is free of a block that is not all within.
+    #[inline(always)]
+    fn put_some<W: Wide>(&mut self, block: usize, source: &impl Blocks) {
+        let shown = self.tiles.map_or(0, |tiles| tiles[block].shown[self.in_tile].into());
+        let mask = between(block, self.lo, self.hi) & !shown;
+        if mask != 0 {
+            put_some::<W>(self.line, block, source.words::<W>(block), mask);
+        }
     }
 }
 
@@ -453,6 +577,20 @@ impl Ink for Glazing<'_, '_> {
     }
 }
 
+/// The first columns of eight rows of a tile, and those after the last.
+const ENDS: [f32; WIDE] = {
+    let mut ends = [0.0; WIDE];
+    let mut i = ROWS;
+    while i < WIDE {
+        ends[i] = WIDE as f32;
+        i += 1;
+    }
+    ends
+};
+
+/// Rows of a tile for which ramps are made ready.
+const RAMPS: u32 = 4;
+
 /// Draws a triangle in those rows of one row of tiles that are `there`, row i after `row` as bit i, between their borders.
 #[inline(always)]
 fn draw_tiles<W: Wide, T: Tint>(
@@ -488,8 +626,13 @@ fn draw_tiles<W: Wide, T: Tint>(
     let slopes = [deep.near[0] as f32, deep.near[1] as f32];
     let step = W::splat(slopes[0]);
     let rows = tint.rows(row as f32);
+    let wide = [W::load(&rows[0]), W::load(&rows[1])];
+    let outer = [[rows[0][0], rows[1][0]], [rows[0][ROWS - 1], rows[1][ROWS - 1]]];
+    let ends = W::load(&ENDS);
+    let of = [left as usize / WIDE, (right as usize).div_ceil(WIDE)];
+    let is_even = tint.is_even(outer, of.map(|block| (block * WIDE) as f32));
     let borders = [W::Columns::load(&lo), W::Columns::load(&hi)];
-    for block in left as usize / WIDE..=(right as usize - 1) / WIDE {
+    for block in of[0]..of[1] {
         let (first, at) = (block * WIDE, tiles + block);
         let corner = deep.near[0] * first as f64 + start;
         let tile = &mut cover.tiles[at];
@@ -500,19 +643,34 @@ fn draw_tiles<W: Wide, T: Tint>(
         }
         let columns = W::splat(first as f32).add(W::count());
         let fills = inner_left <= first as i32 && inner_right >= (first + WIDE) as i32;
-        if fills && tile.is_free() {
+        let is_free = tile.is_free();
+        if fills && is_free {
             cover.lay(at, [deep.near[0], deep.near[1], corner], corner + behind);
-            let lines = cover.pixels[below * width..].chunks_mut(width);
-            for (line, same) in lines.zip(rows) {
-                put::<W>(line, block, tint.pixels(same, columns), ALL);
+            let lines = cover.pixels[below * width..].chunks_mut(width).take(ROWS);
+            if is_even {
+                let levels = tint.levels::<W>(wide, W::splat(first as f32).add(ends));
+                for (i, line) in lines.enumerate() {
+                    put::<W>(line, block, W::ramp(&levels, i, ROWS + i), ALL);
+                }
+            } else {
+                for (i, line) in lines.enumerate() {
+                    put::<W>(line, block, tint.pixels([rows[0][i], rows[1][i]], columns), ALL);
+                }
             }
             continue;
         }
         tile.draw(plane, fills.then_some((corner + behind) as f32));
-        let (is_free, mut shown) = (tile.is_free(), tile.shown);
+        let mut shown = tile.shown;
         let (known, pixels) = cover.near_and_pixels::<W>(at);
         let (masks, mut rest) = borders[0].up_to(borders[1], first as i32);
         let starts = starts([deep.near[0], deep.near[1], corner]);
+        // To make ramps ready takes as long as a few rows without.
+        let is_even = is_even && rest.count_ones() >= RAMPS;
+        let levels = if is_even {
+            tint.levels::<W>(wide, W::splat(first as f32).add(ends))
+        } else {
+            Levels { red_blue: [0; WIDE], green: [0; WIDE] }
+        };
         // No branches but these: what a row of a triangle's edge does cannot be guessed.
         while rest != 0 {
             let i = rest.trailing_zeros() as usize % ROWS;
@@ -532,7 +690,12 @@ fn draw_tiles<W: Wide, T: Tint>(
             }
             *shown |= mask as u16;
             let line = &mut pixels[(below + i) * width..][..width];
-            put_some::<W>(line, block, tint.pixels(rows[i], columns), mask);
+            let words = if is_even {
+                W::ramp(&levels, i, ROWS + i)
+            } else {
+                tint.pixels([rows[0][i], rows[1][i]], columns)
+            };
+            put_some::<W>(line, block, words, mask);
         }
         cover.tiles[at].shown = shown;
     }

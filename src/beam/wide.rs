@@ -10,6 +10,13 @@ pub(crate) const ALL: u32 = 0xffff;
 /// Rows side by side.
 pub(crate) const ROWS: usize = 8;
 
+/// Colours of sixteen pixels: red in the lower half of a word and blue in the upper, and green below what is opaque; in 256th, and half a step more.
+#[derive(Clone, Copy)]
+pub(crate) struct Levels {
+    pub(crate) red_blue: [u32; WIDE],
+    pub(crate) green: [u32; WIDE],
+}
+
 /// A number for each of sixteen pixels.
 pub(crate) trait Wide: Copy {
     /// A column for each of eight rows.
@@ -40,6 +47,11 @@ pub(crate) trait Wide: Copy {
     fn words(x: u32) -> Self::Words;
     /// Eight-bit RGBA, opaque, from three numbers from 0 to 255 each, rounded; red in the lowest bits.
     fn bytes(red: Self, green: Self, blue: Self) -> Self::Words;
+    /// A colour so bright as each number says, red, green and blue times it from 0 to 255.
+    fn levels(self, color: &[f32; 3]) -> Levels;
+    /// As [`Wide::bytes`], of pixels that go evenly from the colour `from` to the colour `to`, which the pixel after the last has, and which is no more
+    /// than half of 255 steps away.
+    fn ramp(levels: &Levels, from: usize, to: usize) -> Self::Words;
     /// Written where `mask` says.
     fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]);
     /// Written to all.
@@ -83,6 +95,9 @@ pub(crate) struct Portable([f32; WIDE]);
 
 /// Adding this to a small number that is not negative leaves it, rounded, in the lowest bits.
 pub(crate) const MAGIC: f32 = 8_388_608.0;
+
+/// As [`MAGIC`], and half of 256 more.
+pub(crate) const HALF_UP: f32 = MAGIC + 128.0;
 
 /// What is opaque.
 pub(crate) const OPAQUE: u32 = 0xff00_0000;
@@ -159,6 +174,25 @@ impl Wide for Portable {
     fn bytes(red: Self, green: Self, blue: Self) -> Self::Words {
         let byte = |x: f32| (x + MAGIC).to_bits() & 0xff;
         each!(WIDE, 0, |i| byte(red.0[i]) | byte(green.0[i]) << 8 | byte(blue.0[i]) << 16 | OPAQUE)
+    }
+    #[inline(always)]
+    fn levels(self, color: &[f32; 3]) -> Levels {
+        let level = |x: f32| (x * 256.0 + HALF_UP).to_bits() & 0xffff;
+        let red_blue = each!(WIDE, 0, |i| level(self.0[i] * color[0]) | level(self.0[i] * color[2]) << 16);
+        Levels { red_blue, green: each!(WIDE, 0, |i| level(self.0[i] * color[1]) | OPAQUE) }
+    }
+    #[inline(always)]
+    fn ramp(levels: &Levels, from: usize, to: usize) -> Self::Words {
+        let [red_blue, green] = [&levels.red_blue, &levels.green].map(|of| [of[from % WIDE], of[to % WIDE]]);
+        // Of 2^15, as sixteen bits multiplied have it.
+        let between = |[from, to]: [u32; 2], i: usize| {
+            let by = i32::from((to as u16).wrapping_sub(from as u16) as i16);
+            (from as u16).wrapping_add(((by * (i as i32 * 2048) + 0x4000) >> 15) as u16) as u32 >> 8
+        };
+        let upper = red_blue.map(|x| x >> 16);
+        each!(WIDE, 0, |i| {
+            between(red_blue, i) | between(green, i) << 8 | between(upper, i) << 16 | OPAQUE
+        })
     }
     #[inline(always)]
     fn put_words(words: Self::Words, mask: u32, to: &mut [u32; WIDE]) {
@@ -300,6 +334,16 @@ pub(crate) mod tests {
         let [red, green, blue] = [0.4f32, 200.6, 255.0];
         let rgba = W::bytes(W::splat(red), W::splat(green), W::splat(blue));
         assert_eq!(words::<W>(rgba), [0xffff_c900; WIDE]);
+        let bright = some(|i| if i == 0 { 0.05 } else { i as f32 / 15.0 });
+        let levels = W::load(&bright).levels(&[241.75, 100.25, 0.0]);
+        for (from, to) in [(0, 1), (5, 11), (11, 5), (2, 2)] {
+            for (i, word) in words::<W>(W::ramp(&levels, from, to)).into_iter().enumerate() {
+                let bright = bright[from] + (bright[to] - bright[from]) * i as f32 / 16.0;
+                let bytes = word.to_le_bytes().map(f32::from);
+                let expected = [241.75 * bright, 100.25 * bright, 0.0, 255.0];
+                assert!((0..4).all(|c| (bytes[c] - expected[c]).abs() < 0.52), "{bytes:?} {expected:?}");
+            }
+        }
         let line = |slope, start| <W::Columns as Columns>::Lines::new(slope, start, 5);
         let columns = |slope, start| line(slope, start).not_left().store();
         assert_eq!(columns(1.0, 0.0), [5, 6, 7, 8, 9, 10, 11, 12]);

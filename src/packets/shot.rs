@@ -55,10 +55,7 @@ impl Shot<'_> {
     /// How a source of faces looks in a plane.
     pub(super) fn shading(&self, source: u32, plane: &Plane) -> Shading {
         let first = self.tables.sources[source as usize].first;
-        Shading {
-            grows: plane.grows.map(|c| (c / plane.size) as f32),
-            square: self.square,
-            color: self.looks.of(self.tables, self.tables.surfaces[first as usize]),
-        }
+        let color = self.looks.of(self.tables, self.tables.surfaces[first as usize]);
+        Shading::new(plane.grows.map(|c| (c / plane.size) as f32), self.square, color)
     }
 }

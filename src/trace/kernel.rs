@@ -46,7 +46,7 @@ impl Kernel {
         None
     }
 
-    /// AVX-512 (F, VL and DQ), if the CPU has it.
+    /// AVX-512 (F, VL, DQ and BW), if the CPU has it.
     pub fn avx512() -> Option<Kernel> {
         #[cfg(target_arch = "x86_64")]
         if avx512::is_available() {
