@@ -59,7 +59,7 @@ impl Rays<'_> {
         let mut passes = |hit: &Hit| {
             layers += 1;
             let pane = if layers <= LAYERS { self.looks.pane(hit.material) } else { None };
-            pane.inspect(|pane| passed.pass(*pane, cosine(ray, hit) as f32)).is_some()
+            pane.inspect(|pane| passed.pass(pane, cosine(ray, hit) as f32)).is_some()
         };
         let mut last = *first;
         // From inside of a solid nothing is seen, also of one of glass.

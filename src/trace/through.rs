@@ -128,14 +128,14 @@ mod tests {
         let (origin, way) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
         let mut met = Vec::new();
         for triangle in 0..scene.detail_triangle_count() {
-            let [a, b, c] = scene.triangle(triangle as u32).map(DVec3::from);
+            let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
             let normal = (b - a).cross(c - a);
             let t = normal.dot(a - origin) / normal.dot(way);
             let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| way.dot((p - origin).cross(q - origin)));
             let least = sides.into_iter().fold(f64::INFINITY, f64::min);
             let most = sides.into_iter().fold(f64::NEG_INFINITY, f64::max);
             if !(least <= 1e-7 && most >= -1e-7) && t >= 0.0 {
-                met.push((t, scene.tables.record(triangle as u32).element, normal.dot(way) < 0.0));
+                met.push((t, scene.tables.record(triangle).element, normal.dot(way) < 0.0));
             } else if (least.abs() <= 1e-7 || most.abs() <= 1e-7) && (least >= -1e-7 || most <= 1e-7) {
                 return None;
             }
