@@ -97,12 +97,6 @@ impl Kernels {
     ) -> (u32, Places) {
         simd::triangles(self.0, sight, block, region, frustum)
     }
-
-    /// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
-    #[inline]
-    pub(super) fn is_taken(self, borders: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
-        is_taken(borders, cover, first)
-    }
 }
 
 /// What the pixels of one surface become.
@@ -437,6 +431,7 @@ impl Span<'_> {
     }
 }
 
+/// Whether detail is seen in all that is between the borders of rows, the first of which is the row `first` of the picture.
 pub(super) fn is_taken([lo, hi]: [&[i32]; 2], cover: &Cover<'_>, first: i32) -> bool {
     // The middle first: most that are not taken are not there.
     let middle = lo.len() / 2;

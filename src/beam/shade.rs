@@ -3,7 +3,7 @@
 use super::cover::Cover;
 use super::detail::{Detail, Drawn, Pen, borders_of};
 use super::glass::{Layer, Layers, Pane};
-use super::kernels::{Flat, Kernels, Tint};
+use super::kernels::{Flat, Kernels, Tint, is_taken};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use super::sight::Place;
@@ -217,7 +217,7 @@ impl Paint for Canvas<'_, '_> {
     }
 
     fn is_hidden(&self, arena: &Arena, region: &Region) -> bool {
-        self.kernels.is_taken(arena.borders(region), &self.cover, region.rows[0])
+        is_taken(arena.borders(region), &self.cover, region.rows[0])
     }
 
     fn paint(&mut self, arena: &Arena, region: &Region, seen: &Seen) {

@@ -4,6 +4,8 @@
 //! by distance, those at the same distance one after the other, and none is lost for lying on what was passed. A new ray from there
 //! ([`Start::Hit`]) could not tell these from its own surface.
 
+use arrayvec::ArrayVec;
+
 use super::NONE;
 use super::cells::Ended;
 use super::kernel::Ask;
@@ -11,7 +13,6 @@ use super::ray::{Hit, Ray};
 use super::single::{Line, Start, Want, surface, surface_of};
 use super::walk::Walk;
 use crate::scene::Scene;
-use arrayvec::ArrayVec;
 
 /// Surfaces at one place that are told apart by what they are.
 const MOST_AT_ONCE: usize = 16;
@@ -194,8 +195,7 @@ mod tests {
         (b - a).cross(c - a).dot(DVec3::from(way)) < 0.0
     }
 
-    /// A plate of glass flush with the top of a block, another beside it that ends in it, and one that is part of what it lies on: a ray through the glass
-    /// meets the block.
+    /// A plate of glass in a block, flush with its top, and another on that: a ray through the glass meets the block.
     #[test]
     fn what_is_opaque_in_the_plane_of_glass_is_met() {
         let mut model = model(&[
