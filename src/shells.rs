@@ -60,7 +60,7 @@ pub(crate) fn shells(mesh: &Mesh, component: &Component) -> Vec<Shell> {
     let edges = Edges::of(mesh, all);
     let patches = edges.patches(all.len());
     let mut group_of_patch: Vec<usize> = (0..patches.len()).collect();
-    for edge in edges.0.chunk_by(Use::same_edge) {
+    for edge in edges.by_edge() {
         let groups = edge.iter().map(|e| root(&mut group_of_patch, patches.of[e.triangle as usize]));
         let groups: Vec<usize> = groups.collect();
         // The first patch of a group stays its root.
@@ -83,7 +83,7 @@ pub(crate) fn shells(mesh: &Mesh, component: &Component) -> Vec<Shell> {
     }
     let mut agree = vec![true; shells.len()];
     let mut tell = vec![true; shells.len()];
-    for edge in edges.0.chunk_by(Use::same_edge) {
+    for edge in edges.by_edge() {
         let shell = number[group[edge[0].triangle as usize]];
         agree[shell] &= edge.iter().map(|e| if e.is_up { 1 } else { -1 }).sum::<i32>() == 0;
         let up = |e: &Use| e.is_up != patches.turned[e.triangle as usize];
@@ -115,13 +115,13 @@ fn agreeing(triangles: Vec<u32>) -> Shell {
 
 /// A triangle's edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Use {
+pub(crate) struct Use {
     /// The vertices, the lower one first.
-    ends: (u32, u32),
+    pub(crate) ends: (u32, u32),
     /// The triangle, by its position in the component.
-    triangle: u32,
+    pub(crate) triangle: u32,
     /// Whether it passes the edge from the lower vertex to the upper one.
-    is_up: bool,
+    pub(crate) is_up: bool,
 }
 
 impl Use {
@@ -146,16 +146,16 @@ impl Edges {
         Edges(edges)
     }
 
-    /// Whether each is of two triangles, which pass it in either direction.
-    pub(crate) fn are_of_two(&self) -> bool {
-        self.0.chunk_by(Use::same_edge).all(|edge| matches!(edge, [a, b] if a.is_up != b.is_up))
+    /// The uses of each edge.
+    pub(crate) fn by_edge(&self) -> impl Iterator<Item = &[Use]> {
+        self.0.chunk_by(Use::same_edge)
     }
 
     /// The sets of triangles that are connected across edges of two triangles, each turned like its first.
     pub(crate) fn patches(&self, count: usize) -> Patches {
         // Neighbours, and whether both pass the edge the same way.
         let mut neighbours = vec![Vec::new(); count];
-        for edge in self.0.chunk_by(Use::same_edge) {
+        for edge in self.by_edge() {
             if let &[a, b] = edge {
                 neighbours[a.triangle as usize].push((b.triangle, a.is_up == b.is_up));
                 neighbours[b.triangle as usize].push((a.triangle, a.is_up == b.is_up));
@@ -190,9 +190,9 @@ impl Edges {
 /// What [`Edges::patches`] found.
 pub(crate) struct Patches {
     /// The patch of each triangle.
-    of: Vec<usize>,
+    pub(crate) of: Vec<usize>,
     /// Whether to turn each triangle.
-    turned: Vec<bool>,
+    pub(crate) turned: Vec<bool>,
     /// The triangles of each patch.
     pub(crate) members: Vec<Vec<u32>>,
 }

@@ -16,7 +16,8 @@ const CLEAR: f64 = 1e-6;
 pub(crate) struct Backs {
     /// Of each run on which side of it the eye is where a triangle is left out: 1 where its corners go around to the left, -1 where to the right, 0 on none.
     hidden: Vec<i8>,
-    /// Runs that have a hidden side, and follow each other: those of one element, since a surface may be of several materials; and the box around them.
+    /// The runs of an element that has some with a hidden side, since a surface may be of several materials, and its triangles may look to either side; and the
+    /// box around those that have.
     groups: Vec<(Range<u32>, [DVec3; 2])>,
     /// Of each block of triangles those that are left out where the eye is on the left, and on the right; triangle i as bit i.
     blocks: Vec<[u8; 2]>,
@@ -25,20 +26,14 @@ pub(crate) struct Backs {
 impl Backs {
     /// Of what is seen through, that has these looks, both sides show.
     pub(crate) fn new(tables: &Views, looks: &Looks) -> Backs {
-        let side = |facing: u32| match Facing::of(facing) {
-            Some(Facing::Outward) => -1,
-            Some(Facing::Inward) => 1,
-            _ => 0,
-        };
-        let same = |a: &RunRecord, b: &RunRecord| (a.element, a.facing) == (b.element, b.facing);
         let (mut groups, mut first, mut hidden) = (Vec::new(), 0, Vec::new());
-        for group in tables.runs.chunk_by(same) {
+        for group in tables.runs.chunk_by(|a, b| a.element == b.element) {
             let runs = first..first + group.len() as u32;
             first = runs.end;
-            let is_glass = group.iter().any(|run| looks.pane(run.material).is_some());
-            let side = if is_glass { 0 } else { side(group[0].facing) };
-            hidden.resize(first as usize, side);
-            if side != 0 {
+            let closed = || group.iter().filter(|run| side(run.facing) != 0);
+            let is_glass = closed().any(|run| looks.pane(run.material).is_some());
+            hidden.extend(group.iter().map(|run| if is_glass { 0 } else { side(run.facing) }));
+            if !is_glass && closed().next().is_some() {
                 let bounds = bounds(tables, &runs);
                 groups.push((runs, bounds));
             }
@@ -69,7 +64,16 @@ impl Backs {
     }
 }
 
-/// The box around the triangles of some runs.
+/// On which side of it the eye is where a triangle that looks so is left out: 1 where its corners go around to the left, -1 where to the right, 0 on none.
+fn side(facing: u32) -> i8 {
+    match Facing::of(facing) {
+        Some(Facing::Outward) => -1,
+        Some(Facing::Inward) => 1,
+        _ => 0,
+    }
+}
+
+/// The box around those triangles of some runs that have a hidden side.
 fn bounds(tables: &Views, runs: &Range<u32>) -> [DVec3; 2] {
     let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     corners(tables, runs)
@@ -78,11 +82,17 @@ fn bounds(tables: &Views, runs: &Range<u32>) -> [DVec3; 2] {
         .fold(start, |[lo, hi], corner| [lo.min(corner), hi.max(corner)])
 }
 
-/// The corners of the triangles of some runs.
+/// The corners of those triangles of some runs that have a hidden side, turned so that all look outward.
 fn corners(tables: &Views, runs: &Range<u32>) -> impl Iterator<Item = [[f64; 3]; 3]> {
-    let end = tables.runs.get(runs.end as usize).map_or(tables.triangles.len(), |next| next.first as usize);
-    let triangles = &tables.triangles[tables.runs[runs.start as usize].first as usize..end];
-    triangles.iter().map(|corners| corners.map(|v| tables.vertices[v as usize]))
+    runs.clone().filter(|&run| side(tables.runs[run as usize].facing) != 0).flat_map(move |run| {
+        let end = tables.runs.get(run as usize + 1).map_or(tables.triangles.len(), |next| next.first as usize);
+        let RunRecord { first, facing, .. } = tables.runs[run as usize];
+        let is_inward = side(facing) > 0;
+        tables.triangles[first as usize..end].iter().map(move |corners| {
+            let [a, b, c] = corners.map(|v| tables.vertices[v as usize]);
+            if is_inward { [a, c, b] } else { [a, b, c] }
+        })
+    })
 }
 
 /// Whether an eye is inside of what the triangles of some runs enclose, or so near to them that it cannot be told.

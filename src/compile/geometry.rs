@@ -23,12 +23,18 @@ pub(super) struct Piece {
     pub(super) component: Component,
     pub(super) role: Role,
     shells: Vec<(Shell, Outward)>,
-    facing: Facing,
+    /// Of each of its triangles, as it is in the mesh.
+    facing: Vec<Facing>,
 }
 
 impl Piece {
     fn bounds(&self) -> impl Iterator<Item = Bound<'_>> {
-        self.shells.iter().map(|shell| Bound { role: self.role, facing: self.facing, shell })
+        self.shells.iter().map(|shell| Bound { piece: self, shell })
+    }
+
+    /// To which side a triangle of the mesh looks.
+    fn facing_of(&self, triangle: u32) -> Facing {
+        self.component.triangles.binary_search(&triangle).map_or(Facing::Any, |at| self.facing[at])
     }
 }
 
@@ -121,6 +127,7 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
             for volume in volumes.filter(|shells| !shells.is_empty()) {
                 gathered.turned += writer.volume(&volume);
             }
+            let mut open = Vec::new();
             for piece in pieces() {
                 let count = piece.component.triangles.len() as u64;
                 if piece.role == Role::Ignore {
@@ -128,11 +135,11 @@ pub(super) fn gather(model: &Model, parts: &[Part], tables: &mut Tables) -> Gath
                 } else if piece.shells.is_empty() {
                     let is_solid = matches!(element.semantic.role(), Some(Role::Solid));
                     gathered.open_solids += u64::from(is_solid && piece.role == Role::Detail);
-                    let all = piece.component.triangles.iter();
-                    let all = all.map(|&t| (t, element.mesh.triangles[t as usize]));
-                    writer.triangles(all, NONE, piece.facing);
+                    let all = piece.component.triangles.iter().zip(&piece.facing);
+                    open.extend(all.map(|(&t, &facing)| (t, element.mesh.triangles[t as usize], facing)));
                 }
             }
+            writer.triangles(open, NONE);
             if labels {
                 gathered.label_triangles += (tables.triangles.len() - before) as u64;
             }
@@ -164,8 +171,7 @@ fn name_doubled(triangles: &[[u32; 3]], index: &mut [u32]) {
 
 /// A shell of a volume.
 struct Bound<'a> {
-    role: Role,
-    facing: Facing,
+    piece: &'a Piece,
     shell: &'a (Shell, Outward),
 }
 
@@ -187,10 +193,13 @@ impl Writer<'_> {
         let first = self.tables.triangles.len();
         let id = self.tables.volumes.len() as u32;
         let (mut turned, mut measure) = (0, 0.0);
-        for Bound { facing, shell: (shell, outward), .. } in shells {
-            // Of a component whose triangles agree none was turned.
-            let triangles = shell.triangles.iter().copied().zip(outward.triangles.iter().copied());
-            self.triangles(triangles, id, *facing);
+        for Bound { piece, shell: (shell, outward) } in shells {
+            let triangles = shell.triangles.iter().zip(&outward.triangles).map(|(&t, &corners)| {
+                let is_turned = rotated(corners) != rotated(self.element.mesh.triangles[t as usize]);
+                let facing = piece.facing_of(t);
+                (t, corners, if is_turned { facing.turned() } else { facing })
+            });
+            self.triangles(triangles.collect(), id);
             turned += outward.turned;
             measure += outward.volume;
         }
@@ -215,17 +224,18 @@ impl Writer<'_> {
             first_triangle: first as u32,
             triangle_count: (self.tables.triangles.len() - first) as u32,
             element: self.number,
-            role: shells.first().map_or(Role::Detail, |bound| bound.role) as u32,
+            role: shells.first().map_or(Role::Detail, |bound| bound.piece.role) as u32,
             by_winding: u32::from(inside != Inside::ByParity),
             room: NONE,
         });
         turned
     }
 
-    /// Triangles, each with its index in the mesh and its corners there.
-    fn triangles(&mut self, triangles: impl Iterator<Item = (u32, [u32; 3])>, volume: u32, facing: Facing) {
+    /// Triangles, each with its index in the mesh, its corners there, and to which side it looks: those that look alike one after the other.
+    fn triangles(&mut self, mut triangles: Vec<(u32, [u32; 3], Facing)>, volume: u32) {
         let mesh = &self.element.mesh;
-        for (t, corners) in triangles {
+        triangles.sort_by_key(|(_, _, facing)| *facing as u32);
+        for (t, corners, facing) in triangles {
             let vertices = corners.map(|v| {
                 let slot = &mut self.index[v as usize];
                 if *slot == NONE {
