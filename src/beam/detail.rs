@@ -44,6 +44,30 @@ pub(crate) struct Detail<'a> {
     sight: Sight,
     stack: Vec<u32>,
     open: BinaryHeap<Open>,
+    /// Which triangles were met already: several boxes may each hold a part of one.
+    met: Met,
+    /// Which blocks of them.
+    met_blocks: Met,
+}
+
+/// What was met.
+struct Met(Vec<u64>);
+
+impl Met {
+    /// Nothing yet, of so many.
+    fn begin(&mut self, count: usize) {
+        self.0.clear();
+        self.0.resize(count.div_ceil(64), 0);
+    }
+
+    /// Whether this is new.
+    #[inline(always)]
+    fn insert(&mut self, at: usize) -> bool {
+        let (word, bit) = (&mut self.0[at / 64], 1 << (at % 64));
+        let is_new = *word & bit == 0;
+        *word |= bit;
+        is_new
+    }
 }
 
 /// What draws triangles.
@@ -119,6 +143,8 @@ impl<'a> Detail<'a> {
             sight,
             stack: Vec::new(),
             open: BinaryHeap::new(),
+            met: Met(Vec::new()),
+            met_blocks: Met(Vec::new()),
         }
     }
 
@@ -177,6 +203,8 @@ impl<'a> Detail<'a> {
     /// is hidden is left out a box at a time.
     pub(super) fn draw_all(&mut self, region: &Region, root: u32, kernels: Kernels, pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        self.met.begin(self.tables.triangles.len());
+        self.met_blocks.begin(self.tables.blocks.len());
         self.open.clear();
         self.open.extend((root != NONE).then_some(Open { link: root, away: 0, place: Place::ANYWHERE }));
         while let Some(Open { link, place, .. }) = self.open.pop() {
@@ -198,16 +226,23 @@ impl<'a> Detail<'a> {
                 }
                 continue;
             }
-            let leaf = Leaf::new(link);
-            let block = &self.tables.blocks[leaf.block()];
+            // All triangles of a block are looked at together, when the first leaf that has some of them is met.
+            let at = Leaf::new(link).block();
+            if !self.met_blocks.insert(at) {
+                continue;
+            }
+            let block = &self.tables.blocks[at];
             let (seen, places) = kernels.look_at_triangles(&self.sight, block, region, &frustum);
-            let mut seen = seen & leaf.mask() & !self.sight.hidden(block, self.hidden.of_block(leaf.block()));
+            let mut seen = seen & !self.sight.hidden(block, self.hidden.of_block(at));
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                let place = places.of(lane);
+                let (place, triangle) = (places.of(lane), block.triangle[lane]);
+                if !self.met.insert(triangle as usize) {
+                    continue;
+                }
                 if place.is_anywhere() || !pen.hides(&place) {
-                    self.triangle(block.triangle[lane], region, &[], &mut drawn, pen);
+                    self.triangle(triangle, region, &[], &mut drawn, pen);
                 }
             }
         }
@@ -262,12 +297,14 @@ impl<'a> Detail<'a> {
         drawn: &mut Drawn,
         pen: &mut impl Pen,
     ) {
-        let corners = self.tables.triangles[triangle as usize];
-        let world = corners.map(|v| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye);
-        let [a, b, c] = world.map(|v| self.camera * v);
+        // Written out: `array::map` would be a function by itself.
+        let [first, second, third] = self.tables.triangles[triangle as usize];
+        let place = |v: u32| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye;
+        let world = [place(first), place(second), place(third)];
+        let [a, b, c] = [self.camera * world[0], self.camera * world[1], self.camera * world[2]];
         let (mut rows, mut nearest) = (region.rows, f64::INFINITY);
         if a.z > FRONT && b.z > FRONT && c.z > FRONT {
-            let [inverse_a, inverse_b, inverse_c] = [a, b, c].map(|v| 1.0 / v.z);
+            let [inverse_a, inverse_b, inverse_c] = [1.0 / a.z, 1.0 / b.z, 1.0 / c.z];
             nearest = inverse_a.max(inverse_b).max(inverse_c) * (1.0 + 1e-6);
             let [ya, yb, yc] = [a.y * inverse_a, b.y * inverse_b, c.y * inverse_c];
             rows[0] = rows[0].max(up(ya.min(yb).min(yc) - ROUNDED));

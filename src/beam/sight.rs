@@ -3,6 +3,7 @@
 use glam::{DMat3, Vec3};
 
 use super::rows::Region;
+use super::wide::MAGIC;
 use crate::format::records::{BlockRecord, LANES, NodeRecord};
 
 /// Boxes are this much larger, metres: what f32 rounds.
@@ -65,35 +66,119 @@ pub(super) struct Sight {
     rounded: f32,
 }
 
+/// A number for each of eight. Each operation is a loop of its own, which compilers make one instruction of.
+#[derive(Clone, Copy)]
+struct Eight([f32; LANES]);
+
+/// Of each of eight what is made of its place.
+macro_rules! each {
+    ($zero:expr, |$i:ident| $body:expr) => {{
+        let mut out = [$zero; LANES];
+        for $i in 0..LANES {
+            out[$i] = $body;
+        }
+        out
+    }};
+}
+
+impl Eight {
+    #[inline(always)]
+    fn splat(x: f32) -> Eight {
+        Eight([x; LANES])
+    }
+
+    #[inline(always)]
+    fn add(self, other: Eight) -> Eight {
+        Eight(each!(0.0, |i| self.0[i] + other.0[i]))
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Eight) -> Eight {
+        Eight(each!(0.0, |i| self.0[i] - other.0[i]))
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Eight) -> Eight {
+        Eight(each!(0.0, |i| self.0[i] * other.0[i]))
+    }
+
+    #[inline(always)]
+    fn scale(self, by: f32) -> Eight {
+        Eight(each!(0.0, |i| self.0[i] * by))
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Eight {
+        Eight(each!(0.0, |i| 1.0 / self.0[i]))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Eight {
+        Eight(each!(0.0, |i| self.0[i].abs()))
+    }
+
+    /// The lesser of both, or the second if one is no number.
+    #[inline(always)]
+    fn min(self, other: Eight) -> Eight {
+        Eight(each!(0.0, |i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+
+    /// The greater of both, or the second if one is no number.
+    #[inline(always)]
+    fn max(self, other: Eight) -> Eight {
+        Eight(each!(0.0, |i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+
+    /// Rounded up: numbers from 0 to four millions.
+    #[inline(always)]
+    fn up(self) -> [i32; LANES] {
+        // The nearest whole number, or that above it.
+        let near = Eight(each!(0.0, |i| self.0[i] + MAGIC));
+        let whole = each!(0, |i| near.0[i].to_bits() as i32 - MAGIC.to_bits() as i32);
+        each!(0, |i| whole[i] + i32::from(near.0[i] - MAGIC < self.0[i]))
+    }
+
+    /// Along a direction: of eight vectors.
+    #[inline(always)]
+    fn along(direction: Vec3, of: &[[f32; LANES]; 3]) -> Eight {
+        let [x, y, z] = [Eight(of[0]), Eight(of[1]), Eight(of[2])];
+        x.scale(direction.x).add(y.scale(direction.y)).add(z.scale(direction.z))
+    }
+}
+
+/// Bits of what is true.
+#[inline(always)]
+fn bits(is: [bool; LANES]) -> u32 {
+    let mut bits = 0;
+    for (i, is) in is.into_iter().enumerate() {
+        bits |= u32::from(is) << i;
+    }
+    bits
+}
+
 /// Of eight points, boxes or triangles: the least and the greatest column and row, and the least `t`.
 struct Extent {
-    least: [[f32; LANES]; 2],
-    most: [[f32; LANES]; 2],
+    least: [Eight; 2],
+    most: [Eight; 2],
     /// Of all corners.
-    first: [f32; LANES],
+    first: Eight,
 }
 
 impl Extent {
     const NONE: Extent = Extent {
-        least: [[f32::INFINITY; LANES]; 2],
-        most: [[f32::NEG_INFINITY; LANES]; 2],
-        first: [f32::INFINITY; LANES],
+        least: [Eight([f32::INFINITY; LANES]); 2],
+        most: [Eight([f32::NEG_INFINITY; LANES]); 2],
+        first: Eight([f32::INFINITY; LANES]),
     };
 
     /// Adds a corner of each: column, row and 1, each times `t`. Where `t` is not positive the others have no meaning.
     #[inline(always)]
-    fn add(&mut self, [x, y, t]: [[f32; LANES]; 3]) {
-        for lane in 0..LANES {
-            let inverse = 1.0 / t[lane];
-            let at = [x[lane] * inverse, y[lane] * inverse];
-            for (axis, at) in at.into_iter().enumerate() {
-                let (least, most) = (self.least[axis][lane], self.most[axis][lane]);
-                self.least[axis][lane] = if at < least { at } else { least };
-                self.most[axis][lane] = if at > most { at } else { most };
-            }
-            let first = self.first[lane];
-            self.first[lane] = if t[lane] < first { t[lane] } else { first };
-        }
+    fn add(&mut self, [x, y, t]: [Eight; 3]) {
+        let inverse = t.inverse();
+        let [x, y] = [x.mul(inverse), y.mul(inverse)];
+        self.least = [x.min(self.least[0]), y.min(self.least[1])];
+        self.most = [x.max(self.most[0]), y.max(self.most[1])];
+        self.first = t.min(self.first);
     }
 }
 
@@ -113,24 +198,21 @@ impl Sight {
     /// Which of the children of a node show in a region, which has this frustum, and where.
     #[inline(always)]
     pub(super) fn of_boxes(&self, node: &NodeRecord, region: &Region, frustum: &[Vec3; 4]) -> Boxes {
-        let mut terms = [[[[0.0f32; LANES]; 2]; 3]; 3];
+        let mut terms = [[[Eight::splat(0.0); 2]; 3]; 3];
         for (row, terms) in self.rows.iter().zip(&mut terms) {
             for axis in 0..3 {
-                for lane in 0..LANES {
-                    terms[axis][0][lane] = row[axis] * (node.lo[axis][lane] - self.eye[axis]);
-                    terms[axis][1][lane] = row[axis] * (node.hi[axis][lane] - self.eye[axis]);
-                }
+                let eye = Eight::splat(self.eye[axis]);
+                terms[axis] = [
+                    Eight(node.lo[axis]).sub(eye).scale(row[axis]),
+                    Eight(node.hi[axis]).sub(eye).scale(row[axis]),
+                ];
             }
         }
         let mut extent = Extent::NONE;
         for corner in 0..8 {
-            let mut at = [[0.0f32; LANES]; 3];
+            let mut at = [Eight::splat(0.0); 3];
             for (at, terms) in at.iter_mut().zip(&terms) {
-                for lane in 0..LANES {
-                    at[lane] = terms[0][corner & 1][lane]
-                        + terms[1][corner >> 1 & 1][lane]
-                        + terms[2][corner >> 2][lane];
-                }
+                *at = terms[0][corner & 1].add(terms[1][corner >> 1 & 1]).add(terms[2][corner >> 2]);
             }
             extent.add(at);
         }
@@ -146,19 +228,20 @@ impl Sight {
         region: &Region,
         frustum: &[Vec3; 4],
     ) -> (u32, Places) {
-        let mut extent = Extent::NONE;
-        let mut corners = [[[0.0f32; LANES]; 3]; 3];
-        for (i, row) in self.rows.iter().enumerate() {
-            for lane in 0..LANES {
-                let along =
-                    |of: &[[f32; LANES]; 3]| row.x * of[0][lane] + row.y * of[1][lane] + row.z * of[2][lane];
-                let corner = [0, 1, 2].map(|axis| block.corner[axis][lane] - self.eye[axis]);
-                let first = row.x * corner[0] + row.y * corner[1] + row.z * corner[2];
-                corners[0][i][lane] = first;
-                corners[1][i][lane] = first + along(&block.edge1);
-                corners[2][i][lane] = first + along(&block.edge2);
-            }
+        let corner = [
+            Eight(block.corner[0]).sub(Eight::splat(self.eye.x)).0,
+            Eight(block.corner[1]).sub(Eight::splat(self.eye.y)).0,
+            Eight(block.corner[2]).sub(Eight::splat(self.eye.z)).0,
+        ];
+        let zero = Eight::splat(0.0);
+        let mut corners = [[zero; 3]; 3];
+        for (i, &row) in self.rows.iter().enumerate() {
+            let first = Eight::along(row, &corner);
+            corners[0][i] = first;
+            corners[1][i] = first.add(Eight::along(row, &block.edge1));
+            corners[2][i] = first.add(Eight::along(row, &block.edge2));
         }
+        let mut extent = Extent::NONE;
         for corner in corners {
             extent.add(corner);
         }
@@ -195,8 +278,7 @@ impl Sight {
             is_left[lane] = away < -off;
             is_right[lane] = away > off;
         }
-        let bits = |is: &[bool; LANES]| (0..LANES).fold(0, |bits, lane| bits | u32::from(is[lane]) << lane);
-        left & bits(&is_left) | right & bits(&is_right)
+        left & bits(is_left) | right & bits(is_right)
     }
 
     #[inline(always)]
@@ -205,37 +287,29 @@ impl Sight {
         const CLEAR: f32 = 64.0;
         /// What rounding may do to columns and rows by themselves.
         const ASIDE: f32 = 0.02;
+        let first = extent.first.sub(Eight::splat(self.off[2]));
+        let inverse = first.inverse();
         let mut places =
             Places { columns: [[0; LANES]; 2], rows: [[0; LANES]; 2], near: [f32::INFINITY; LANES] };
-        let mut shows = 0;
-        for lane in 0..LANES {
-            let first = extent.first[lane] - self.off[2];
-            let is_clear = first > CLEAR * self.off[2];
-            let inverse = 1.0 / first;
-            let mut is_there = true;
-            for (axis, (to, limits)) in
-                [(&mut places.columns, region.columns), (&mut places.rows, region.rows)]
-                    .into_iter()
-                    .enumerate()
-            {
-                let [lo, hi] = limits.map(|limit| limit as f32);
-                // Both `t` and what is divided by it may be off.
-                let (least, most) = (extent.least[axis][lane], extent.most[axis][lane]);
-                let off = |at: f32| (self.off[axis] + self.off[2] * at.abs()) * inverse + ASIDE;
-                let (least, most) = ((least - off(least)).max(lo), (most + off(most)).min(hi));
-                // Rounded up both.
-                let up = |x: f32| {
-                    let down = x as i32;
-                    down.saturating_add(i32::from((down as f32) < x))
-                };
-                let (from, end) = (up(least), up(most).min(limits[1]));
-                is_there &= from < end;
-                (to[0][lane], to[1][lane]) = (from, end);
-            }
-            places.near[lane] = if is_clear { inverse * 1.000_001 } else { f32::INFINITY };
-            shows |= u32::from(!is_clear || is_there) << lane;
+        let mut is_there = [true; LANES];
+        for (axis, (to, limits)) in
+            [(&mut places.columns, region.columns), (&mut places.rows, region.rows)].into_iter().enumerate()
+        {
+            let [lo, hi] = [Eight::splat(limits[0] as f32), Eight::splat(limits[1] as f32)];
+            // Both `t` and what is divided by it may be off.
+            let (least, most) = (extent.least[axis], extent.most[axis]);
+            let (own, by) = (Eight::splat(self.off[axis]), self.off[2]);
+            let aside = Eight::splat(ASIDE);
+            let before = least.abs().scale(by).add(own).mul(inverse).add(aside);
+            let after = most.abs().scale(by).add(own).mul(inverse).add(aside);
+            to[0] = least.sub(before).max(lo).min(hi).up();
+            to[1] = most.add(after).max(lo).min(hi).up();
+            is_there = each!(false, |i| is_there[i] & (to[0][i] < to[1][i]));
         }
-        (seen & shows, places)
+        let clear = Eight::splat(CLEAR * self.off[2]);
+        let is_clear = each!(false, |i| first.0[i] > clear.0[i]);
+        places.near = each!(0.0, |i| if is_clear[i] { inverse.0[i] * 1.000_001 } else { f32::INFINITY });
+        (seen & (bits(is_there) | !bits(is_clear)), places)
     }
 }
 
@@ -243,17 +317,14 @@ impl Sight {
 #[inline(always)]
 pub(super) fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
     let mut inside = [true; LANES];
-    for normal in frustum {
+    for &normal in frustum {
         let limit = normal.dot(eye) - SLACK;
-        for lane in 0..LANES {
-            let along = |of: &[[f32; LANES]; 3]| {
-                normal.x * of[0][lane] + normal.y * of[1][lane] + normal.z * of[2][lane]
-            };
-            let most = along(&block.edge1).max(along(&block.edge2)).max(0.0);
-            inside[lane] &= along(&block.corner) + most >= limit;
-        }
+        let [second, third] =
+            [Eight::along(normal, &block.edge1), Eight::along(normal, &block.edge2)];
+        let most = second.max(third).max(Eight::splat(0.0)).add(Eight::along(normal, &block.corner));
+        inside = each!(false, |i| inside[i] & (most.0[i] >= limit));
     }
-    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
+    bits(inside)
 }
 
 /// The children of a node that reach into all of the half-spaces, child i as bit i.
@@ -262,16 +333,14 @@ pub(super) fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 
     let mut inside = [true; LANES];
     for normal in frustum {
         let limit = normal.dot(eye) - SLACK;
-        for lane in 0..LANES {
-            let mut far = 0.0;
-            for axis in 0..3 {
-                let n = normal[axis];
-                far += if n > 0.0 { n * node.hi[axis][lane] } else { n * node.lo[axis][lane] };
-            }
-            inside[lane] &= far >= limit;
+        let mut far = Eight::splat(0.0);
+        for axis in 0..3 {
+            let n = normal[axis];
+            far = far.add(Eight(if n > 0.0 { node.hi[axis] } else { node.lo[axis] }).scale(n));
         }
+        inside = each!(false, |i| inside[i] & (far.0[i] >= limit));
     }
-    (0..LANES).fold(0, |bits, lane| bits | u32::from(inside[lane]) << lane)
+    bits(inside)
 }
 
 /// The squares of how far the children of a node are, metres.
