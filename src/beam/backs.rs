@@ -19,6 +19,7 @@ pub(crate) struct Backs {
     /// The runs of an element that has some with a hidden side, since a surface may be of several materials, and its triangles may look to either side; and the
     /// box around those that have.
     groups: Vec<(Range<u32>, [DVec3; 2])>,
+    slabs: Slabs,
     /// Of each block of triangles those that are left out where the eye is on the left, and on the right; triangle i as bit i.
     blocks: Vec<[u8; 2]>,
 }
@@ -49,18 +50,57 @@ impl Backs {
             }
             masks
         });
-        Backs { groups, blocks: blocks.collect(), hidden }
+        let slabs = Slabs::of(groups.iter().map(|(_, bounds)| bounds));
+        Backs { groups, slabs, blocks: blocks.collect(), hidden }
     }
 
     /// What is left out as seen by an eye: in the internal frame, metres.
-    pub(crate) fn seen_from(&self, tables: &Views, eye: DVec3) -> Hidden<'_> {
+    pub(crate) fn seen_from<'a>(&'a self, tables: &'a Views, eye: DVec3) -> Hidden<'a> {
         let holds = |[lo, hi]: &[DVec3; 2]| eye.cmpge(lo - CLEAR).all() && eye.cmple(hi + CLEAR).all();
-        let near = self.groups.iter().filter(|(_, bounds)| holds(bounds)).map(|(runs, _)| runs);
+        let near = self.slabs.at(eye).iter().map(|&group| &self.groups[group as usize]);
+        let near = near.filter(|(_, bounds)| holds(bounds)).map(|(runs, _)| runs);
         Hidden {
+            tables,
             of: &self.hidden,
             blocks: &self.blocks,
             around: near.filter(|runs| encloses(tables, runs, eye)).cloned().collect(),
         }
+    }
+}
+
+/// Boxes by where along an axis they are, so that those around a point are found without looking at all.
+struct Slabs {
+    /// The longest axis, where along it the slabs begin, and how thick each is.
+    axis: usize,
+    first: f64,
+    thick: f64,
+    boxes: Vec<Vec<u32>>,
+}
+
+impl Slabs {
+    /// About as many as the square root of how many boxes there are, so that neither looking for them nor keeping them takes long.
+    fn of<'b>(boxes: impl ExactSizeIterator<Item = &'b [DVec3; 2]> + Clone) -> Slabs {
+        let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [lo, hi] = boxes.clone().fold(start, |[lo, hi], other| [lo.min(other[0]), hi.max(other[1])]);
+        let count = (boxes.len() as f64).sqrt().ceil();
+        let axis = (hi - lo).max_position();
+        let (first, thick) = (lo[axis] - CLEAR, ((hi - lo)[axis] + 2.0 * CLEAR) / count);
+        let mut slabs = Slabs { axis, first, thick, boxes: vec![Vec::new(); count as usize] };
+        for (number, [lo, hi]) in (0..).zip(boxes) {
+            let [from, to] = [lo[axis] - CLEAR, hi[axis] + CLEAR].map(|along| slabs.slab(along));
+            slabs.boxes[from..=to].iter_mut().for_each(|slab| slab.push(number));
+        }
+        slabs
+    }
+
+    /// The slab that is there, or the nearest.
+    fn slab(&self, along: f64) -> usize {
+        (((along - self.first) / self.thick) as usize).min(self.boxes.len().saturating_sub(1))
+    }
+
+    /// All boxes that may hold a point, and perhaps others.
+    fn at(&self, point: DVec3) -> &[u32] {
+        self.boxes.get(self.slab(point[self.axis])).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -85,7 +125,8 @@ fn bounds(tables: &Views, runs: &Range<u32>) -> [DVec3; 2] {
 /// The corners of those triangles of some runs that have a hidden side, turned so that all look outward.
 fn corners(tables: &Views, runs: &Range<u32>) -> impl Iterator<Item = [[f64; 3]; 3]> {
     runs.clone().filter(|&run| side(tables.runs[run as usize].facing) != 0).flat_map(move |run| {
-        let end = tables.runs.get(run as usize + 1).map_or(tables.triangles.len(), |next| next.first as usize);
+        let end =
+            tables.runs.get(run as usize + 1).map_or(tables.triangles.len(), |next| next.first as usize);
         let RunRecord { first, facing, .. } = tables.runs[run as usize];
         let is_inward = side(facing) > 0;
         tables.triangles[first as usize..end].iter().map(move |corners| {
@@ -102,8 +143,9 @@ fn encloses(tables: &Views, runs: &Range<u32>, eye: DVec3) -> bool {
 }
 
 /// Which backs one eye does not see.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Hidden<'a> {
+    tables: &'a Views,
     of: &'a [i8],
     blocks: &'a [[u8; 2]],
     /// Runs that enclose the eye.
@@ -117,16 +159,31 @@ impl Hidden<'_> {
         !self.around.is_empty()
     }
 
-    /// Of a block's triangles those that are left out where the eye is on the left, and on the right, if the eye is within none.
+    /// Of a block's triangles those that are left out where the eye is on the left, and on the right.
     #[inline(always)]
     pub(super) fn of_block(&self, block: usize) -> [u32; 2] {
-        if self.around.is_empty() { self.blocks[block].map(u32::from) } else { [0; 2] }
+        if self.around.is_empty() { self.blocks[block].map(u32::from) } else { self.but_around(block) }
     }
 
-    /// Whether a triangle of a run is left out, on that side of which the eye is where its corners go around to the left, or else on the other.
-    #[inline(always)]
-    pub(super) fn holds(&self, run: u32, is_left: bool) -> bool {
+    /// The same, where the eye is within some.
+    fn but_around(&self, block: usize) -> [u32; 2] {
+        let mut masks = [0; 2];
+        for (lane, &triangle) in
+            self.tables.blocks[block].triangle.iter().enumerate().filter(|(_, t)| **t != NONE)
+        {
+            let of = self.of(triangle);
+            masks = [masks[0] | u32::from(of[0]) << lane, masks[1] | u32::from(of[1]) << lane];
+        }
+        masks
+    }
+
+    /// Whether a triangle is left out on that side of which the eye is where its corners go around to the left, and on the other.
+    pub(super) fn of(&self, triangle: u32) -> [bool; 2] {
+        let run = self.tables.run_of[triangle as usize];
+        if self.around.iter().any(|runs| runs.contains(&run)) {
+            return [false; 2];
+        }
         let hidden = self.of.get(run as usize).copied().unwrap_or(0);
-        hidden == if is_left { 1 } else { -1 } && !self.around.iter().any(|runs| runs.contains(&run))
+        [hidden == 1, hidden == -1]
     }
 }

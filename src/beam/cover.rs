@@ -150,22 +150,22 @@ impl Cover<'_> {
     /// How near each pixel of a tile is that shows detail.
     #[inline(always)]
     pub(super) fn near<W: Wide>(&mut self, tile: usize) -> &mut [[f32; WIDE]; ROWS] {
-        self.near_and_pixels::<W>(tile).0
+        self.parts::<W>(tile).1
     }
 
-    /// The same, and the pixels of all.
+    /// A tile, how near each of its pixels is that shows detail, and the pixels of all.
     #[inline(always)]
-    pub(super) fn near_and_pixels<W: Wide>(&mut self, tile: usize) -> (&mut [[f32; WIDE]; ROWS], &mut [u32]) {
-        let near = &mut self.near[tile];
-        if self.tiles[tile].is_plane {
-            self.tiles[tile].is_plane = false;
-            let step = W::splat(self.planes[tile][0] as f32);
-            let starts = starts(self.planes[tile]);
+    pub(super) fn parts<W: Wide>(&mut self, at: usize) -> (&mut Tile, &mut [[f32; WIDE]; ROWS], &mut [u32]) {
+        let (tile, near) = (&mut self.tiles[at], &mut self.near[at]);
+        if tile.is_plane {
+            tile.is_plane = false;
+            let step = W::splat(self.planes[at][0] as f32);
+            let starts = starts(self.planes[at]);
             for i in 0..ROWS {
                 W::count().mul_add(step, W::splat(starts[i])).store(&mut near[i]);
             }
         }
-        (near, self.pixels)
+        (tile, near, self.pixels)
     }
 
     /// Whether all pixels of some columns and rows show detail nearer than `near`, which is `1 / t`.

@@ -165,14 +165,15 @@ impl<'a> Detail<'a> {
             let block = &self.tables.blocks[leaf.block()];
             // Triangles that rays are not to meet are no numbers: they reach nowhere.
             let mut seen = leaf.mask() & triangles_reach(block, self.eye, &frustum);
+            let backs = self.hidden.of_block(leaf.block());
             if seen != 0 {
-                let [left, right] = self.hidden.of_block(leaf.block());
-                seen &= !self.sight.hidden(block, [left, right]);
+                seen &= !self.sight.hidden(block, backs);
             }
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                self.triangle(block.triangle[lane], region, exits, &mut drawn, pen);
+                let triangle = (block.triangle[lane], backs.map(|backs| backs >> lane & 1 != 0));
+                self.triangle(triangle, region, exits, &mut drawn, pen);
             }
         }
     }
@@ -233,7 +234,8 @@ impl<'a> Detail<'a> {
             }
             let block = &self.tables.blocks[at];
             let (seen, places) = kernels.look_at_triangles(&self.sight, block, region, &frustum);
-            let mut seen = seen & !self.sight.hidden(block, self.hidden.of_block(at));
+            let backs = self.hidden.of_block(at);
+            let mut seen = seen & !self.sight.hidden(block, backs);
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
@@ -242,7 +244,8 @@ impl<'a> Detail<'a> {
                     continue;
                 }
                 if place.is_anywhere() || !pen.hides(&place) {
-                    self.triangle(triangle, region, &[], &mut drawn, pen);
+                    let backs = backs.map(|backs| backs >> lane & 1 != 0);
+                    self.triangle((triangle, backs), region, &[], &mut drawn, pen);
                 }
             }
         }
@@ -259,7 +262,7 @@ impl<'a> Detail<'a> {
         };
         for group in outer.0.iter().filter(is_seen) {
             for &triangle in &group.triangles {
-                self.triangle(triangle, region, exits, &mut drawn, pen);
+                self.triangle((triangle, self.hidden.of(triangle)), region, exits, &mut drawn, pen);
             }
         }
     }
@@ -268,7 +271,7 @@ impl<'a> Detail<'a> {
     pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], pen: &mut impl Pen) {
         let mut drawn = Drawn::new();
         for &triangle in triangles {
-            self.triangle(triangle, region, &[], &mut drawn, pen);
+            self.triangle((triangle, self.hidden.of(triangle)), region, &[], &mut drawn, pen);
         }
     }
 
@@ -288,10 +291,10 @@ impl<'a> Detail<'a> {
         ]
     }
 
-    /// Draws a triangle, unless nothing of it is seen in the region.
+    /// Draws a triangle, unless nothing of it is seen in the region; it is left out where the eye is on its left, or its right, if that is said.
     fn triangle(
         &self,
-        triangle: u32,
+        (triangle, [left, right]): (u32, [bool; 2]),
         region: &Region,
         exits: &[Plane],
         drawn: &mut Drawn,
@@ -325,7 +328,7 @@ impl<'a> Detail<'a> {
         let size = a.dot(sides[0]);
         // Seen from the eye, the corners go around to the left where the volume that they span with it is negative.
         let is_left = (size < 0.0) != self.is_mirrored;
-        if size == 0.0 || self.hidden.holds(self.tables.run_of[triangle as usize], is_left) {
+        if size == 0.0 || if is_left { left } else { right } {
             return;
         }
         let sign = size.signum();

@@ -655,8 +655,7 @@ fn draw_tiles<W: Wide, T: Tint>(
             continue;
         }
         tile.draw(plane, fills.then_some((corner + behind) as f32));
-        let mut shown = tile.shown;
-        let (known, pixels) = cover.near_and_pixels::<W>(at);
+        let (tile, known, pixels) = cover.parts::<W>(at);
         let (masks, mut rest) = borders[0].up_to(borders[1], first as i32);
         let starts = starts([deep.near[0], deep.near[1], corner]);
         // To make ramps ready takes as long as a few rows without.
@@ -672,7 +671,7 @@ fn draw_tiles<W: Wide, T: Tint>(
             rest &= rest - 1;
             let in_tile = (above + i) % ROWS;
             let near = W::count().mul_add(step, W::splat(starts[i]));
-            let (mut mask, known, shown) = (masks[i], &mut known[in_tile], &mut shown[in_tile]);
+            let (mut mask, known, shown) = (masks[i], &mut known[in_tile], &mut tile.shown[in_tile]);
             if is_free {
                 // Where it is not shown, it does not count.
                 near.store(known);
@@ -692,6 +691,5 @@ fn draw_tiles<W: Wide, T: Tint>(
             };
             put_some::<W>(line, block, words, mask);
         }
-        cover.tiles[at].shown = shown;
     }
 }

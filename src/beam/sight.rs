@@ -319,8 +319,7 @@ pub(super) fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4
     let mut inside = [true; LANES];
     for &normal in frustum {
         let limit = normal.dot(eye) - SLACK;
-        let [second, third] =
-            [Eight::along(normal, &block.edge1), Eight::along(normal, &block.edge2)];
+        let [second, third] = [Eight::along(normal, &block.edge1), Eight::along(normal, &block.edge2)];
         let most = second.max(third).max(Eight::splat(0.0)).add(Eight::along(normal, &block.corner));
         inside = each!(false, |i| inside[i] & (most.0[i] >= limit));
     }

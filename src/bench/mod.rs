@@ -20,4 +20,4 @@ pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Steps, Work, skip};
 pub use sources::{SourceOptions, SourceReport, SourceRow, sources};
 pub use speed::{SpeedOptions, SpeedReport, SpeedRow, speed};
 pub use tracers::{Tracer, error_names, names};
-pub use way::Way;
+pub use way::{Answered, Way};

@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::tracers::Tracer;
-use super::way::Way;
+use super::way::{Answered, Way};
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray};
@@ -54,8 +54,12 @@ pub struct SpeedRow {
     pub ratio: f64,
     /// Rays on which the distance differs by more than the tolerance from the first way's.
     pub differing: u64,
-    /// The share of its pixels that a way that makes pictures as a whole left to rays; 0 for all others.
-    pub left_to_rays: f64,
+    /// Which share of the rays, or pixels, exact beams answered.
+    pub by_beams: f64,
+    /// Which share packets answered.
+    pub by_packets: f64,
+    /// Which share was answered ray by ray: also what beams and packets left to rays.
+    pub by_rays: f64,
 }
 
 /// What [`speed`] measured.
@@ -125,7 +129,7 @@ fn measure(
 ) -> Vec<SpeedRow> {
     let mut seconds = vec![0.0; tracers.len()];
     let mut differing = vec![0u64; tracers.len()];
-    let mut left = vec![0u64; tracers.len()];
+    let mut answered = vec![Answered::default(); tracers.len()];
     let rays: u64 = frames.iter().map(|f| f.rays.len() as u64).sum();
     for frame in frames {
         let mut hits: Vec<Vec<Hit>> = tracers.iter().map(|_| vec![Hit::ESCAPED; frame.rays.len()]).collect();
@@ -138,12 +142,16 @@ fn measure(
             }
         }
         for (i, tracer) in tracers.iter().enumerate() {
-            if let Some((camera, size)) = frame.camera
-                && let Some(unsure) = tracer.picture(camera, size)
-            {
-                left[i] += unsure;
-                tracer.shown(camera, size.0, &mut hits[i]);
-            }
+            let all = Answered { rays: frame.rays.len() as u64, ..Answered::default() };
+            answered[i] += match frame.camera.and_then(|(camera, size)| tracer.picture(camera, size)) {
+                Some(answered) => {
+                    if let Some((camera, (width, _))) = frame.camera {
+                        tracer.shown(camera, width, &mut hits[i]);
+                    }
+                    answered
+                }
+                None => all,
+            };
         }
         for i in 0..tracers.len() {
             seconds[i] += median(&mut times[i]);
@@ -164,7 +172,9 @@ fn measure(
         mrays_per_s: rays as f64 / seconds[i] / 1e6,
         ratio: seconds[0] / seconds[i],
         differing: differing[i],
-        left_to_rays: left[i] as f64 / rays as f64,
+        by_beams: answered[i].beams as f64 / rays as f64,
+        by_packets: answered[i].packets as f64 / rays as f64,
+        by_rays: answered[i].rays as f64 / rays as f64,
     };
     tracers.iter().enumerate().map(row).collect()
 }

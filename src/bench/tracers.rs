@@ -14,13 +14,13 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as SingleRay, RayHit};
 use obvhs::triangle::Triangle;
 
-use super::way::Way;
+use super::way::{Answered, Way};
 use crate::beam::Beams;
 use crate::compile::{CompileError, CompileOptions, compile};
 use crate::oracle::Truth;
 use crate::packets::Packets;
 use crate::partition::Convexification;
-use crate::render::Camera;
+use crate::render::{Camera, PictureWay};
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Place, Ray, Start, Starts, Want};
 
@@ -52,6 +52,8 @@ struct Painter {
 enum Maker {
     Beams(Box<Beams<Arc<Scene>>>),
     Packets(Box<Packets<Arc<Scene>>>),
+    /// Beams or rays, as [`PictureWay::of`] has it.
+    Chosen(Box<Beams<Arc<Scene>>>),
 }
 
 /// The scene's triangles in f32, relative to the middle of the hull.
@@ -113,13 +115,15 @@ pub fn names() -> Vec<String> {
     let kernels = |prefix: &'static str| {
         Kernel::available().into_iter().map(move |kernel| format!("{prefix}{}", kernel.name()))
     };
-    let others = ["enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
+    let others = [CHOSEN, "enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
     kernels("enfilade-").chain(kernels(BEAMS)).chain(kernels(PACKETS)).chain(others).collect()
 }
 
 /// Ways that need the model, besides [`names`].
 const OF_MODELS: [&str; 4] = [F32_RAYS, NO_CELLS, DIAGONALS, TRUTH];
 
+/// Pictures in the way that takes the least time, by what scene, eye and size are.
+const CHOSEN: &str = "enfilade-auto";
 /// What names of ways that make pictures by beams begin with.
 const BEAMS: &str = "enfilade-beams-";
 /// The same by packets.
@@ -181,6 +185,8 @@ impl Tracer {
     pub fn by_name(name: &str, scene: &Arc<Scene>) -> Option<Tracer> {
         let kind = if name == "enfilade-batch" {
             Kind::Batch(Arc::clone(scene))
+        } else if name == CHOSEN {
+            Kind::pictures(scene, Maker::Chosen(Box::new(Beams::new(Arc::clone(scene)))))
         } else if let Some(kernel) = name.strip_prefix(BEAMS) {
             let kernel = Kernel::by_name(kernel)?;
             let beams = Beams::new(Arc::clone(scene)).with_kernel(kernel);
@@ -300,22 +306,31 @@ impl Way for Tracer {
         }
     }
 
-    fn picture(&self, camera: &Camera, (width, height): (u32, u32)) -> Option<u64> {
-        let Kind::Pictures(_, painter) = &self.kind else { return None };
+    fn picture(&self, camera: &Camera, size: (u32, u32)) -> Option<Answered> {
+        let Kind::Pictures(scene, painter) = &self.kind else { return None };
         let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
         let Painter { maker, pixels } = &mut *painter;
-        pixels.resize(width as usize * height as usize, 0);
-        Some(match maker {
-            Maker::Beams(beams) => beams.paint(camera, width, pixels).unsure,
-            Maker::Packets(packets) => packets.paint(camera, width, pixels).rays,
-        })
+        let (width, count) = (size.0, u64::from(size.0) * u64::from(size.1));
+        pixels.resize(count as usize, 0);
+        let by_beams = |rays: u64| Answered { beams: count - rays, packets: 0, rays };
+        match maker {
+            Maker::Beams(beams) => Some(by_beams(beams.paint(camera, width, pixels).unsure)),
+            Maker::Packets(packets) => {
+                let rays = packets.paint(camera, width, pixels).rays;
+                Some(Answered { beams: 0, packets: count - rays, rays })
+            }
+            Maker::Chosen(beams) => match PictureWay::of(scene, camera, size, true) {
+                PictureWay::Beams => Some(by_beams(beams.paint(camera, width, pixels).unsure)),
+                PictureWay::Rays => None,
+            },
+        }
     }
 
     fn shown(&self, camera: &Camera, width: u32, hits: &mut [Hit]) {
         if let Kind::Pictures(_, painter) = &self.kind {
             let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
             match &mut painter.maker {
-                Maker::Beams(beams) => {
+                Maker::Beams(beams) | Maker::Chosen(beams) => {
                     beams.hits(camera, width, Want::LEAST, hits);
                 }
                 Maker::Packets(packets) => {

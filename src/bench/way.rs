@@ -1,7 +1,28 @@
 //! What is measured: ways to answer rays.
 
+use std::ops::AddAssign;
+
 use crate::render::Camera;
 use crate::trace::{Hit, Ray};
+
+/// By what the pixels of pictures were answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Answered {
+    /// Pixels by exact beams.
+    pub beams: u64,
+    /// Pixels by packets.
+    pub packets: u64,
+    /// Pixels by a ray each: also those that beams and packets left to rays.
+    pub rays: u64,
+}
+
+impl AddAssign for Answered {
+    fn add_assign(&mut self, other: Answered) {
+        self.beams += other.beams;
+        self.packets += other.packets;
+        self.rays += other.rays;
+    }
+}
 
 /// A way to answer rays that start in the air: enfilade's own, or another library's.
 pub trait Way: Sync {
@@ -22,9 +43,9 @@ pub trait Way: Sync {
         (hit.normal != [0.0; 3]).then_some(hit.normal)
     }
 
-    /// Makes the picture of a camera, so many pixels wide and high, as a whole; `None` if the way only answers rays. Returns how many pixels it left to
-    /// rays.
-    fn picture(&self, camera: &Camera, size: (u32, u32)) -> Option<u64> {
+    /// Makes the picture of a camera, so many pixels wide and high, as a whole; `None` if the way answers rays, which that of this picture may be. Returns what
+    /// answered its pixels.
+    fn picture(&self, camera: &Camera, size: (u32, u32)) -> Option<Answered> {
         let _ = (camera, size);
         None
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use enfilade_importers::{Budget, Cancelled, Frame, Limits, OverBudget, Watch};
 
 use super::camera::{Camera, Pinhole};
+use super::choose::PictureWay;
 use super::color::{ColorMode, IN_SOLID, SKY, linear, ramp};
 use super::picture::{Picture, Pixel};
 use super::shade::shade;
@@ -103,8 +104,9 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
 
     let place = scene.locate(camera.eye());
     options.watch.check()?;
-    // Steps are those of rays, and in solids there are no beams.
-    let by_beams = options.color != ColorMode::Cost && !matches!(place, Place::InSolid(_));
+    // Steps are those of rays.
+    let by_beams = options.color != ColorMode::Cost
+        && PictureWay::of(scene, camera, (width, height), false) == PictureWay::Beams;
     let (told, beams) = by_beams.then(|| Beams::new(scene).tell(camera, width, height)).unzip();
     let job = Job {
         told,
@@ -121,7 +123,7 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     let scale = match options.color {
         ColorMode::Depth => color_depth(&mut pixels, options.depth_range),
         ColorMode::Cost => color_cost(&mut pixels),
-        ColorMode::Packet if by_beams => {
+        ColorMode::Packet if !matches!(place, Place::InSolid(_)) => {
             let mut sizes = vec![0; pixels.len()];
             Packets::new(scene).sizes(camera, width, &mut sizes);
             Some(color_packets(&mut pixels, &sizes))

@@ -12,6 +12,7 @@
 
 mod camera;
 mod camera_file;
+mod choose;
 mod color;
 mod draw;
 mod exr;
@@ -25,6 +26,7 @@ mod way;
 mod write;
 
 pub use camera::{Camera, CameraError, Pinhole};
+pub use choose::PictureWay;
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
 pub(crate) use color::to_srgb;
 pub use color::{
