@@ -7,7 +7,7 @@ use enfilade_importers::{Frame, Role, Semantic, UpAxis};
 use crate::format::records::{
     CameraRecord, CellRecord, ElementRecord, LightRecord, MaterialRecord, RoomRecord, Text, Traits,
 };
-use crate::format::{FormatError, Storage, Views};
+use crate::format::{FormatError, Pages, Storage, Views, pages_read};
 
 /// A compiled building. Share it among threads by reference or `Arc`: nothing but [`Scene::set_open`] changes it.
 ///
@@ -83,6 +83,12 @@ impl Scene {
     /// [`FormatError`] if its sections are damaged.
     pub fn check_map(&self) -> Result<(), FormatError> {
         self.tables.check_map()
+    }
+
+    /// The pages of the mapped file of which `work`, which is done once, reads some: what it touches of the scene, if no other thread uses that meanwhile.
+    /// `None` where nothing is mapped, or the operating system does not tell: only Linux does.
+    pub fn pages_read(&self, work: impl FnOnce()) -> Option<Pages> {
+        pages_read(self.tables.vertices.as_ptr() as usize, work)
     }
 
     pub(crate) fn from_views(tables: Views) -> Scene {

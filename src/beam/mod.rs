@@ -56,7 +56,7 @@ use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Starts, Want};
 
-/// Rows that are done together, so that what is written stays in a cache, and threads share the work.
+/// Rows that are done together at most, so that what is written stays in a cache.
 const BAND: usize = 256;
 
 /// An eye that is farther than this inside of its cell, metres, is at no border.
@@ -65,7 +65,7 @@ const CLEAR: f64 = 1e-8;
 /// The colour of what lies around.
 pub(crate) const SKY_COLOR: u32 = 0xfff5_ddc8;
 
-/// What a picture took.
+/// What a picture took. Each band of rows counts by itself, and there are more of them where more threads share the work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BeamCounts {
     /// Cells, each as often as a beam came through.
@@ -290,21 +290,44 @@ fn is_cut_up(scene: &Scene) -> bool {
 impl Shot<'_> {
     /// Paints all rows, by bands.
     fn bands(&self, pixels: &mut [u32]) {
-        let size = BAND * self.width as usize;
         #[cfg(feature = "rayon")]
         if rayon::current_num_threads() > 1 {
             use rayon::prelude::*;
-            pixels.par_chunks_mut(size).enumerate().for_each(|(index, band)| self.band(index, band));
+            let rows = self.rows(pixels, rayon::current_num_threads());
+            let bands = pixels.par_chunks_mut(rows * self.width as usize).enumerate();
+            bands.for_each(|(index, band)| self.band(index * rows, band));
             return;
         }
-        pixels.chunks_mut(size).enumerate().for_each(|(index, band)| self.band(index, band));
+        let bands = pixels.chunks_mut(BAND * self.width as usize).enumerate();
+        bands.for_each(|(index, band)| self.band(index * BAND, band));
     }
 
-    fn band(&self, index: usize, pixels: &mut [u32]) {
+    /// Rows of a band, where threads share the work: so many that each thread has some bands, which take unlike times.
+    #[cfg(feature = "rayon")]
+    fn rows(&self, pixels: &[u32], threads: usize) -> usize {
+        /// What is the same for each band takes too long for fewer.
+        const LEAST: usize = 64;
+        // Each band looks at all triangles.
+        let bands = if self.is_all() { 2 } else { 4 };
+        let height = pixels.len() / self.width as usize;
+        height.div_ceil(bands * threads).next_multiple_of(wide::ROWS).clamp(LEAST, BAND)
+    }
+
+    /// Whether all triangles are drawn, not cell by cell.
+    fn is_all(&self) -> bool {
+        let prisms = Prisms::new(&self.scene.tables);
+        let cut_up =
+            |cell: u32| self.kept.is_cut_up && self.show != Show::Cells && is_exterior(&prisms, cell);
+        self.start.is_some_and(|cell| {
+            cut_up(cell) || cell == AROUND && (prisms.hold(self.screen.eye) || prisms.cells.len() == 1)
+        })
+    }
+
+    fn band(&self, first: usize, pixels: &mut [u32]) {
         let works = || self.kept.works.lock().unwrap_or_else(PoisonError::into_inner);
         let work = works().pop();
         let mut work = work.unwrap_or_else(Work::new);
-        work.band(self, (index * BAND) as i32, pixels);
+        work.band(self, first as i32, pixels);
         works().push(work);
     }
 }
@@ -338,13 +361,8 @@ impl Work {
             triangles: 0,
             spans: 0,
         };
-        let prisms = Prisms::new(tables);
-        let is_in_zone = prisms.hold(shot.screen.eye);
-        let cut_up = |cell: u32| kept.is_cut_up && shot.show != Show::Cells && is_exterior(&prisms, cell);
         let (start, around) = match shot.start {
-            Some(cell) if cut_up(cell) || cell == AROUND && (is_in_zone || prisms.cells.len() == 1) => {
-                (Some(AROUND), Around::All(tables.cells[AROUND as usize].root))
-            }
+            _ if shot.is_all() => (Some(AROUND), Around::All(tables.cells[AROUND as usize].root)),
             Some(AROUND) => (shot.start, Around::Entered(&kept.outer, &kept.hull)),
             start => (start, Around::Outer(&kept.outer)),
         };

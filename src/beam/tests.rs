@@ -204,6 +204,30 @@ fn each_pixel_is_painted_once() {
     }
 }
 
+/// How many threads share the work, and how it is cut into bands for them.
+#[cfg(feature = "rayon")]
+#[test]
+fn threads_do_not_matter() {
+    let scene = scene(&house(&HouseOptions::default()));
+    let mut cameras = views(&scene, 6);
+    cameras.push(crate::render::outside_view(&scene));
+    for camera in cameras {
+        let [width, height] = [200, 611];
+        let pictures = [1, 2, 3, 16].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (mut surfaces, mut pixels) =
+                (vec![0; (width * height) as usize], vec![0; (width * height) as usize]);
+            let mut beams = Beams::new(&scene);
+            pool.install(|| {
+                beams.surfaces(&camera, width, &mut surfaces);
+                beams.paint(&camera, width, &mut pixels);
+            });
+            (surfaces, pixels)
+        });
+        assert!(pictures.windows(2).all(|two| two[0] == two[1]));
+    }
+}
+
 #[test]
 fn bands_do_not_matter() {
     let [width, _] = SIZE;

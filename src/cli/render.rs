@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use clap::Args;
 use enfilade::Scene;
-use enfilade::beam::BeamCounts;
+use enfilade::beam::{BeamCounts, Beams};
+use enfilade::format::Pages;
 use enfilade::importers::Frame;
 use enfilade::render::{
     Camera, ColorMode, Picture, RenderOptions, auto_view, numbered, outside_view, parse_cameras, render,
@@ -127,10 +128,36 @@ struct Touched {
     of_triangles: u32,
     /// Pixels left to rays.
     to_rays: u64,
+    /// Pages of the file that the picture's beams read, with --stats; none where the system does not tell, or no file is mapped.
+    pages: Option<u64>,
+    /// Pages of the file.
+    of_pages: Option<u64>,
+}
+
+/// Tells which pages of the file the beams of a picture read, by making it once more.
+struct Reader<'s> {
+    scene: &'s Scene,
+    beams: Beams<&'s Scene>,
+    pixels: Vec<u32>,
+}
+
+impl<'s> Reader<'s> {
+    fn new(scene: &'s Scene, (width, height): (u32, u32)) -> Reader<'s> {
+        Reader { scene, beams: Beams::new(scene), pixels: vec![0; width as usize * height as usize] }
+    }
+
+    fn pages(&mut self, camera: &Camera, width: u32) -> Option<Pages> {
+        let Reader { scene, beams, pixels } = self;
+        // Partings of floors and the like are made by the first picture, and kept.
+        beams.paint(camera, width, pixels);
+        scene.pages_read(|| {
+            beams.paint(camera, width, pixels);
+        })
+    }
 }
 
 impl Touched {
-    fn new(scene: &Scene, counts: BeamCounts) -> Touched {
+    fn new(scene: &Scene, counts: BeamCounts, pages: Option<Pages>) -> Touched {
         Touched {
             cells: counts.cells,
             of_cells: scene.cells().len(),
@@ -138,14 +165,20 @@ impl Touched {
             triangles: counts.triangles,
             of_triangles: scene.detail_triangle_count(),
             to_rays: counts.unsure,
+            pages: pages.map(|pages| pages.read),
+            of_pages: pages.map(|pages| pages.all),
         }
     }
 
     fn text(&self) -> String {
-        let Touched { cells, of_cells, parts, triangles, of_triangles, to_rays } = self;
+        let Touched { cells, of_cells, parts, triangles, of_triangles, to_rays, pages, of_pages } = self;
+        let read = match (pages, of_pages) {
+            (Some(read), Some(all)) => format!("; {read} of {all} pages of the file read"),
+            _ => String::new(),
+        };
         format!(
             "beams came {cells} times through cells, of which there are {of_cells}; {parts} parts of rows, {triangles} triangles drawn of \
-             {of_triangles}; {to_rays} pixels left to rays"
+             {of_triangles}; {to_rays} pixels left to rays{read}"
         )
     }
 }
@@ -171,6 +204,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         options.limits = arguments.resources.limits();
         options.watch = arguments.resources.watch();
         let mut shots = Vec::new();
+        let mut reader = arguments.stats.then(|| Reader::new(&scene, arguments.size));
         for (i, camera) in cameras.iter().enumerate() {
             let path = numbered(&arguments.output, i, cameras.len());
             let start = Instant::now();
@@ -185,7 +219,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
                 direction: frame.direction_to_source(camera.forward()),
                 vfov_degrees: camera.vfov_degrees(),
                 seconds,
-                touched: picture.beams().map(|counts| Touched::new(&scene, counts)),
+                touched: picture.beams().map(|counts| {
+                    let pages = reader.as_mut().and_then(|reader| reader.pages(camera, arguments.size.0));
+                    Touched::new(&scene, counts, pages)
+                }),
             });
         }
         if arguments.json {

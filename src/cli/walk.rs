@@ -67,6 +67,9 @@ pub struct Arguments {
     /// The frame of --cams.
     #[arg(long, value_enum, default_value = "source")]
     frame: FrameName,
+    /// Tell also how many pages of the file a frame reads, on Linux: each is made once more for that.
+    #[arg(long)]
+    stats: bool,
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
@@ -111,6 +114,10 @@ struct Report {
     spans: f64,
     /// The share of the pixels that beams left to rays.
     left_to_rays: f64,
+    /// Pages of the file that a frame reads, in the mean, with --stats; none where the system does not tell, or no file is mapped.
+    pages: Option<f64>,
+    /// Pages of the file.
+    of_pages: Option<u64>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
@@ -164,6 +171,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
                 report.spans,
                 report.left_to_rays * 100.0
             );
+            if let (Some(read), Some(all)) = (report.pages, report.of_pages) {
+                eprintln!("a frame reads {read:.1} pages of the file, of {all}");
+            }
         }
         Ok(Outcome::Fine)
     })?
@@ -211,6 +221,14 @@ fn paint(
             write_png_rgba(&pixels, width, &path).map_err(|e| Failure::Output(e.into()))?;
         }
     }
+    let (mut read, mut of_pages) = (0, None);
+    for camera in frames.iter().filter(|_| arguments.stats) {
+        let pages = scene.pages_read(|| {
+            beams.paint(camera, width, &mut pixels);
+        });
+        read += pages.map_or(0, |pages| pages.read);
+        of_pages = pages.map(|pages| pages.all);
+    }
     let (count, seconds) = (frames.len() as f64, times.iter().sum::<f64>());
     times.sort_by(f64::total_cmp);
     Ok(Report {
@@ -229,5 +247,7 @@ fn paint(
         triangles: sum.triangles as f64 / count,
         spans: sum.spans as f64 / count,
         left_to_rays: sum.unsure as f64 / count / pixels.len() as f64,
+        pages: of_pages.map(|_| read as f64 / count),
+        of_pages,
     })
 }

@@ -5,6 +5,7 @@ mod atomic;
 mod container;
 mod kind;
 pub mod map;
+mod pages;
 mod prisms;
 pub mod records;
 mod storage;
@@ -13,6 +14,8 @@ mod tables;
 pub use atomic::write_atomically;
 pub use container::{ALIGN, MAGIC, SectionEntry, VERSION};
 pub use kind::FaceKind;
+pub use pages::Pages;
+pub(crate) use pages::pages_read;
 pub(crate) use storage::{Storage, View};
 #[cfg(feature = "compile")]
 pub(crate) use tables::MapViews;

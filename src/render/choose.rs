@@ -52,7 +52,8 @@ mod tests {
         let model = house(&HouseOptions::default()).export(&Style::default()).to_model().unwrap();
         let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
         let inside = room_views(&scene, 1)[0];
-        let of = |camera: &Camera, size: u32, is_kept: bool| PictureWay::of(&scene, camera, (size, size), is_kept);
+        let of =
+            |camera: &Camera, size: u32, is_kept: bool| PictureWay::of(&scene, camera, (size, size), is_kept);
         assert_eq!(of(&inside, 15, true), PictureWay::Rays);
         assert_eq!(of(&inside, 16, true), PictureWay::Beams);
         // All triangles are looked at once.

@@ -26,8 +26,8 @@ mod way;
 mod write;
 
 pub use camera::{Camera, CameraError, Pinhole};
-pub use choose::PictureWay;
 pub use camera_file::{CameraFileError, CameraLineError, parse_cameras, write_cameras};
+pub use choose::PictureWay;
 pub(crate) use color::to_srgb;
 pub use color::{
     ColorMode, UnknownColorMode, cell_color, element_color, face_color, face_legend, ramp, room_color,

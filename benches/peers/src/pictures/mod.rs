@@ -1,6 +1,6 @@
-//! Whole pictures: exact beams, Embree's packets for the same pixels, and the shading floor.
+//! Whole pictures: exact beams, our packets, Embree's packets for the same pixels, and the shading floor.
 //!
-//! Beams paint a picture; Embree is only asked for distance and triangle of each pixel's ray, with rays and room for
+//! Beams and packets paint a picture, beams also on two threads; Embree is only asked for distance and triangle of each pixel's ray, with rays and room for
 //! the answers made before the clock runs; the floor is [`crate::floor`]'s plane.
 
 mod report;
@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use enfilade::beam::{BeamCounts, Beams};
+use enfilade::packets::{PacketCounts, Packets};
 use enfilade::render::Camera;
 use enfilade::{Kernel, Ray, Scene};
 use serde::Serialize;
@@ -34,24 +35,89 @@ pub struct View {
     /// The eye, where the scene has its points.
     pub eye: [f64; 3],
     pub pixels: u64,
-    /// One for each kernel.
-    pub beams: Vec<Painted>,
+    /// One for each way that paints.
+    pub painted: Vec<Painted>,
     /// Seconds for all pixels' rays, on the better of Embree's hierarchies.
     pub embree: Option<f64>,
     /// Seconds to shade one plane.
     pub floor: f64,
 }
 
-/// A picture by beams.
+/// A picture by beams or packets.
 #[derive(Clone, Debug, Serialize)]
 pub struct Painted {
-    pub kernel: &'static str,
+    /// What painted it, by which instructions, and, if not on one, on how many threads.
+    pub way: String,
     pub seconds: f64,
     pub cells: u64,
-    pub spans: u64,
+    /// None by packets.
+    pub spans: Option<u64>,
     pub triangles: u64,
     /// Pixels left to rays.
     pub unsure: u64,
+}
+
+/// What paints pictures.
+struct Painter<'a> {
+    name: String,
+    maker: Maker<'a>,
+    /// Threads, if not the one of the others.
+    pool: Option<rayon::ThreadPool>,
+}
+
+enum Maker<'a> {
+    Beams(Box<Beams<&'a Scene>>),
+    Packets(Box<Packets<&'a Scene>>),
+}
+
+impl Painter<'_> {
+    /// From outside packets draw all triangles that there are: nobody would use them.
+    fn is_for(&self, from: &str) -> bool {
+        from == "inside" || matches!(self.maker, Maker::Beams(_))
+    }
+
+    /// Paints a picture twice, so that neither caches nor threads are asleep the second time; returns what that took, and the seconds.
+    fn paint(&mut self, camera: &Camera, size: u32, picture: &mut [u32]) -> (Counts, f64) {
+        let maker = &mut self.maker;
+        let mut once = || match maker {
+            Maker::Beams(beams) => Counts::Beams(beams.paint(camera, size, picture)),
+            Maker::Packets(packets) => Counts::Packets(packets.paint(camera, size, picture)),
+        };
+        let mut twice = || {
+            once();
+            let start = Instant::now();
+            let counts = once();
+            (counts, start.elapsed().as_secs_f64())
+        };
+        match &self.pool {
+            // From a thread that sleeps until it is done: one of another pool would look for work meanwhile.
+            Some(pool) => std::thread::scope(|scope| {
+                let done = scope.spawn(|| pool.install(twice)).join();
+                done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            }),
+            None => twice(),
+        }
+    }
+}
+
+/// What a picture took.
+#[derive(Clone, Copy)]
+enum Counts {
+    Beams(BeamCounts),
+    Packets(PacketCounts),
+}
+
+impl Counts {
+    fn painted(self, way: String, seconds: f64) -> Painted {
+        match self {
+            Counts::Beams(BeamCounts { cells, spans, triangles, unsure, .. }) => {
+                Painted { way, seconds, cells, spans: Some(spans), triangles, unsure }
+            }
+            Counts::Packets(PacketCounts { cells, triangles, rays, .. }) => {
+                Painted { way, seconds, cells, spans: None, triangles, unsure: rays }
+            }
+        }
+    }
 }
 
 /// The pixels of a picture, tile by tile: sixteen that follow each other are a square of four by four. What is less
@@ -86,7 +152,7 @@ fn seconds(work: impl FnOnce()) -> f64 {
 /// All ways on one scene, with what they keep from one picture to the next.
 struct Ways<'a> {
     scene: &'a Scene,
-    beams: Vec<(&'static str, Beams<&'a Scene>)>,
+    painters: Vec<Painter<'a>>,
     /// None without Embree.
     peers: Vec<Sixteen>,
     /// What is painted, and how many pixels wide and high it is.
@@ -98,8 +164,27 @@ struct Ways<'a> {
 }
 
 impl<'a> Ways<'a> {
-    fn new(scene: &'a Scene, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Ways<'a> {
-        let beams = |kernel: Kernel| (kernel.name(), Beams::new(scene).with_kernel(kernel));
+    fn new(
+        scene: &'a Scene,
+        embree: Option<&Arc<Embree>>,
+        arguments: &Arguments,
+    ) -> anyhow::Result<Ways<'a>> {
+        let beams = |kernel: Kernel| Maker::Beams(Box::new(Beams::new(scene).with_kernel(kernel)));
+        let packets = |kernel: Kernel| Maker::Packets(Box::new(Packets::new(scene).with_kernel(kernel)));
+        let kernels = Kernel::available();
+        let painter = |what: &str, kernel: &Kernel, maker| Painter {
+            name: format!("{what} {}", kernel.name()),
+            maker,
+            pool: None,
+        };
+        let mut painters: Vec<Painter<'_>> =
+            kernels.iter().map(|kernel| painter("beams", kernel, beams(*kernel))).collect();
+        if let Some(best) = kernels.last() {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
+            let name = format!("beams {} x 2", best.name());
+            painters.push(Painter { name, maker: beams(*best), pool: Some(pool) });
+        }
+        painters.extend(kernels.iter().map(|kernel| painter("packets", kernel, packets(*kernel))));
         let peer = |embree: &Arc<Embree>, soup: &[[[f32; 3]; 3]], quality| Sixteen {
             built: Arc::new(Built::new(embree, soup, quality, false)),
             coherent: true,
@@ -109,15 +194,15 @@ impl<'a> Ways<'a> {
             [Quality::High, Quality::Medium].map(|quality| peer(embree, &soup, quality)).into()
         });
         let count = arguments.picture_size as usize * arguments.picture_size as usize;
-        Ways {
+        Ok(Ways {
             scene,
-            beams: Kernel::available().into_iter().map(beams).collect(),
+            painters,
             met: vec![Met::NOTHING; if peers.is_empty() { 0 } else { count }],
             peers,
             picture: vec![0; count],
             size: arguments.picture_size,
             repeat: arguments.repeat.max(1),
-        }
+        })
     }
 
     /// The ways take turns. Each runs once before the clock does, or Embree an eighth: so that none pays for what the
@@ -126,14 +211,16 @@ impl<'a> Ways<'a> {
         let (size, picture, met) = (self.size, &mut self.picture, &mut self.met);
         let rays = (!self.peers.is_empty()).then(|| rays(self.scene, camera, size));
         let rays = rays.map(|rays| (first(&rays), rays));
-        let mut painting = vec![Vec::new(); self.beams.len()];
-        let mut counts = vec![BeamCounts::default(); self.beams.len()];
+        let mut painters: Vec<&mut Painter<'_>> =
+            self.painters.iter_mut().filter(|painter| painter.is_for(from)).collect();
+        let mut painting = vec![Vec::new(); painters.len()];
+        let mut counts = vec![Counts::Packets(PacketCounts::default()); painters.len()];
         let mut tracing = vec![Vec::new(); self.peers.len()];
         let mut shading = Vec::new();
         for _ in 0..self.repeat {
-            for (i, (_, beams)) in self.beams.iter_mut().enumerate() {
-                beams.paint(camera, size, picture);
-                painting[i].push(seconds(|| counts[i] = beams.paint(camera, size, picture)));
+            for (i, painter) in painters.iter_mut().enumerate() {
+                let (took, seconds) = painter.paint(camera, size, picture);
+                (counts[i], _) = (took, painting[i].push(seconds));
                 black_box(&mut *picture);
             }
             for (peer, times) in self.peers.iter().zip(&mut tracing) {
@@ -148,17 +235,15 @@ impl<'a> Ways<'a> {
             shading.push(seconds(|| floor::shade(picture, size as usize)));
             black_box(&mut *picture);
         }
+        let ways = painters.iter().zip(&mut painting).zip(&counts);
         let painted =
-            |((&(kernel, _), times), counts): ((&(&'static str, _), &mut Vec<f64>), &BeamCounts)| {
-                let &BeamCounts { cells, spans, triangles, unsure, .. } = counts;
-                Painted { kernel, seconds: median(times), cells, spans, triangles, unsure }
-            };
+            ways.map(|((painter, times), counts)| counts.painted(painter.name.clone(), median(times)));
         View {
             scene: name.to_owned(),
             from,
             eye: camera.eye(),
             pixels: picture.len() as u64,
-            beams: self.beams.iter().zip(&mut painting).zip(&counts).map(painted).collect(),
+            painted: painted.collect(),
             embree: tracing.iter_mut().map(|times| median(times)).min_by(f64::total_cmp),
             floor: median(&mut shading),
         }
@@ -177,10 +262,10 @@ pub fn run(
     let scene = &*measured.scene;
     let inside = views::inside(scene, arguments.views);
     let outside = views::outside(scene).with_context(|| measured.name.clone())?;
-    let mut ways = Ways::new(scene, embree, arguments);
+    let mut ways = Ways::new(scene, embree, arguments)?;
     let cameras = inside.iter().map(|camera| ("inside", camera));
     let cameras = cameras.chain(outside.iter().map(|camera| ("outside", camera)));
-    // All of it on one thread of its own: the rays that beams leave would else go to all threads.
+    // All of it on one thread of its own, but what says otherwise: the rays that beams leave would else go to all threads.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     Ok(pool.install(|| cameras.map(|(from, camera)| ways.view(&measured.name, from, camera)).collect()))
 }

@@ -8,17 +8,17 @@ use super::{Painted, View};
 use crate::embree::Embree;
 use crate::{Arguments, median};
 
-/// All pictures of one scene from inside, or from outside, by beams on one kernel.
+/// All pictures of one scene from inside, or from outside, in one way.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     pub scene: String,
     /// `inside` or `outside`.
     pub from: &'static str,
-    pub kernel: &'static str,
+    pub way: String,
     pub views: usize,
-    /// Embree's time beside that of beams for the same picture.
+    /// Embree's time beside ours for the same picture.
     pub embree: Option<Spread>,
-    /// The time of beams beside the floor's.
+    /// Our time beside the floor's.
     pub floor: Spread,
     /// Milliseconds a picture, the median.
     pub ms: f64,
@@ -28,8 +28,8 @@ pub struct Row {
     pub unsure: f64,
     /// A picture, on average.
     pub cells: f64,
-    /// A picture, on average.
-    pub spans: f64,
+    /// A picture, on average; none by packets.
+    pub spans: Option<f64>,
     /// A picture, on average.
     pub triangles: f64,
     /// Nanoseconds a ray, the median.
@@ -42,48 +42,48 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Spread {
     pub median: f64,
-    /// The one that is worst for beams.
+    /// The one that is worst for us.
     pub worst: f64,
 }
 
-/// The rows of one scene's views: from inside and from outside, for each kernel.
+/// The rows of one scene's views: from inside and from outside, for each way.
 pub fn rows(views: &[View]) -> Vec<Row> {
     let mut rows = Vec::new();
     for from in ["inside", "outside"] {
         let views: Vec<&View> = views.iter().filter(|view| view.from == from).collect();
-        let kernels = views.first().map_or(0, |view| view.beams.len());
-        rows.extend((0..kernels).map(|kernel| row(&views, kernel)));
+        let ways = views.first().map_or(0, |view| view.painted.len());
+        rows.extend((0..ways).map(|way| row(&views, way)));
     }
     rows
 }
 
-/// Of views, of which there are some, on the kernel of this number.
-fn row(views: &[&View], kernel: usize) -> Row {
+/// Of views, of which there are some, in the way of this number.
+fn row(views: &[&View], way: usize) -> Row {
     let middle =
         |of: &dyn Fn(&View) -> f64| median(&mut views.iter().map(|view| of(view)).collect::<Vec<f64>>());
     let mean = |of: &dyn Fn(&Painted) -> u64| {
-        views.iter().map(|view| of(&view.beams[kernel]) as f64).sum::<f64>() / views.len() as f64
+        views.iter().map(|view| of(&view.painted[way]) as f64).sum::<f64>() / views.len() as f64
     };
-    let mut floor: Vec<f64> = views.iter().map(|view| view.beams[kernel].seconds / view.floor).collect();
-    let ratio = |view: &&View| Some(view.embree? / view.beams[kernel].seconds);
+    let mut floor: Vec<f64> = views.iter().map(|view| view.painted[way].seconds / view.floor).collect();
+    let ratio = |view: &&View| Some(view.embree? / view.painted[way].seconds);
     let embree: Option<Vec<f64>> = views.iter().map(ratio).collect();
     let ns = |seconds: f64, view: &View| seconds * 1e9 / view.pixels as f64;
     let pixels = views.iter().map(|view| view.pixels as f64).sum::<f64>() / views.len() as f64;
     Row {
         scene: views[0].scene.clone(),
         from: views[0].from,
-        kernel: views[0].beams[kernel].kernel,
+        way: views[0].painted[way].way.clone(),
         views: views.len(),
         embree: embree.map(|mut ratios| Spread {
             median: median(&mut ratios),
             worst: ratios.iter().copied().fold(f64::INFINITY, f64::min),
         }),
         floor: Spread { median: median(&mut floor), worst: floor.iter().copied().fold(0.0, f64::max) },
-        ms: middle(&|view| view.beams[kernel].seconds * 1e3),
-        mpixels_per_s: middle(&|view| view.pixels as f64 / view.beams[kernel].seconds / 1e6),
+        ms: middle(&|view| view.painted[way].seconds * 1e3),
+        mpixels_per_s: middle(&|view| view.pixels as f64 / view.painted[way].seconds / 1e6),
         unsure: mean(&|painted| painted.unsure) / pixels,
         cells: mean(&|painted| painted.cells),
-        spans: mean(&|painted| painted.spans),
+        spans: views[0].painted[way].spans.map(|_| mean(&|painted| painted.spans.unwrap_or(0))),
         triangles: mean(&|painted| painted.triangles),
         embree_ns: views[0].embree.map(|_| middle(&|view| ns(view.embree.unwrap_or(f64::NAN), view))),
         floor_ns: middle(&|view| ns(view.floor, view)),
@@ -94,11 +94,11 @@ fn row(views: &[&View], kernel: usize) -> Row {
 const COLUMNS: [&str; 16] = [
     "scene",
     "from",
-    "kernel",
+    "way",
     "views",
-    "Embree / beams",
+    "Embree / ours",
     "worst",
-    "beams / floor",
+    "ours / floor",
     "worst",
     "ms",
     "Mpixels/s",
@@ -117,7 +117,7 @@ impl Row {
         [
             self.scene.clone(),
             self.from.to_owned(),
-            self.kernel.to_owned(),
+            self.way.clone(),
             self.views.to_string(),
             embree(|spread| spread.median),
             embree(|spread| spread.worst),
@@ -127,7 +127,7 @@ impl Row {
             format!("{:.0}", self.mpixels_per_s),
             format!("{:.3}", self.unsure * 100.0),
             format!("{:.0}", self.cells),
-            format!("{:.0}", self.spans),
+            self.spans.map_or_else(String::new, |spans| format!("{spans:.0}")),
             format!("{:.0}", self.triangles),
             self.embree_ns.map_or_else(String::new, |ns| format!("{ns:.1}")),
             format!("{:.3}", self.floor_ns),
@@ -147,7 +147,8 @@ fn line(cells: &[&str]) -> String {
         // Writing to a String cannot fail.
         let _ = match i {
             0 => write!(out, "{cell:<20}"),
-            1 | 2 => write!(out, "  {cell:<8}"),
+            1 => write!(out, "  {cell:<8}"),
+            2 => write!(out, "  {cell:<16}"),
             _ => write!(out, "  {cell:>width$}", width = name.len().max(6)),
         };
     }
@@ -192,8 +193,8 @@ impl Report {
             None => "Without Embree.".to_owned(),
         };
         format!(
-            "{}, one thread; pictures of {} x {}; medians of {} interleaved repeats.\n{embree}\n\
-             Worst: the view that is worst for beams; other figures are medians of the views, \
+            "{}, one thread, or two where it says so; pictures of {} x {}; medians of {} interleaved repeats.\n{embree}\n\
+             Worst: the view that is worst for us; other figures are medians of the views, \
              and shares and counts their means.",
             self.machine, self.size, self.size, self.repeat
         )
