@@ -8,7 +8,7 @@ mod views;
 
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use enfilade::beam::{BeamCounts, Beams};
@@ -76,15 +76,21 @@ impl Painter<'_> {
         from == "inside" || matches!(self.maker, Maker::Beams(_))
     }
 
-    /// Paints a picture twice, so that neither caches nor threads are asleep the second time; returns what that took, and the seconds.
+    /// Paints a picture once more than once, so that caches are as that leaves them; on several threads for a while, until the system has put each of them on a
+    /// core of its own. Returns what the last took, and the seconds.
     fn paint(&mut self, camera: &Camera, size: u32, picture: &mut [u32]) -> (Counts, f64) {
         let maker = &mut self.maker;
         let mut once = || match maker {
             Maker::Beams(beams) => Counts::Beams(beams.paint(camera, size, picture)),
             Maker::Packets(packets) => Counts::Packets(packets.paint(camera, size, picture)),
         };
-        let mut twice = || {
+        let warm = Duration::from_millis(if self.pool.is_some() { 60 } else { 0 });
+        let mut last = || {
+            let start = Instant::now();
             once();
+            while start.elapsed() < warm {
+                once();
+            }
             let start = Instant::now();
             let counts = once();
             (counts, start.elapsed().as_secs_f64())
@@ -92,10 +98,10 @@ impl Painter<'_> {
         match &self.pool {
             // From a thread that sleeps until it is done: one of another pool would look for work meanwhile.
             Some(pool) => std::thread::scope(|scope| {
-                let done = scope.spawn(|| pool.install(twice)).join();
+                let done = scope.spawn(|| pool.install(last)).join();
                 done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             }),
-            None => twice(),
+            None => last(),
         }
     }
 }
