@@ -67,7 +67,7 @@ pub struct Arguments {
     /// The frame of --eye, --target, --up and --cams, and of what OpenEXR layers hold.
     #[arg(long, value_enum, default_value = "source")]
     frame: FrameName,
-    /// Tell to stderr what of the scene each picture touched: cells, parts of rows, triangles, and pixels left to rays.
+    /// Tell to stderr what of the scene each picture touched: cells, parts of rows, triangles, pixels left to rays, and, on Linux, pages of the file that beams read.
     #[arg(long)]
     stats: bool,
     /// Print the views and times as JSON, and what --stats tells.
