@@ -203,7 +203,8 @@ impl Patches {
     }
 }
 
-fn root(parent: &mut [usize], mut at: usize) -> usize {
+/// The first of the set that `at` is in: each knows its parent, and the first is its own.
+pub(crate) fn root(parent: &mut [usize], mut at: usize) -> usize {
     while parent[at] != at {
         // Halves the path.
         parent[at] = parent[parent[at]];

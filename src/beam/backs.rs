@@ -88,7 +88,8 @@ impl Slabs {
         let mut slabs = Slabs { axis, first, thick, boxes: vec![Vec::new(); count as usize] };
         for (number, [lo, hi]) in (0..).zip(boxes) {
             let [from, to] = [lo[axis] - CLEAR, hi[axis] + CLEAR].map(|along| slabs.slab(along));
-            slabs.boxes[from..=to].iter_mut().for_each(|slab| slab.push(number));
+            // Runs without triangles have no box.
+            slabs.boxes.get_mut(from..=to).into_iter().flatten().for_each(|slab| slab.push(number));
         }
         slabs
     }

@@ -9,6 +9,7 @@ use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
 use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
+use crate::format::records::Facing;
 use crate::generate::{
     Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random,
     round_room, tower,
@@ -405,11 +406,36 @@ fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
 
 #[test]
 fn within_closed_furniture_its_inside_is_seen() {
-    let scene = scene(&house(&HouseOptions::default()));
+    seen_from_within_furniture(&scene(&house(&HouseOptions::default())));
+}
+
+/// Of some furniture triangles are turned: those are of closed surfaces all the same, some with their front outward, some with their back.
+#[test]
+fn furniture_whose_triangles_do_not_agree_hides_its_backs() {
+    let mut model = house(&HouseOptions::default()).export(&Style::default()).to_model().unwrap();
+    let furniture = model.elements.iter_mut().filter(|element| element.semantic == Semantic::Furniture);
+    for (i, triangle) in furniture.flat_map(|element| &mut element.mesh.triangles).enumerate() {
+        if i * i % 7 < 3 {
+            triangle.swap(1, 2);
+        }
+    }
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let looks = |facing: Facing| {
+        let runs = scene.tables.runs.iter().filter(|run| run.facing == facing as u32);
+        runs.filter(|run| scene.element(run.element).semantic() == Semantic::Furniture).count()
+    };
+    assert!(looks(Facing::Outward) > 5 && looks(Facing::Inward) > 5);
+    seen_from_within_furniture(&scene);
+    let mut beams = Beams::new(&scene);
+    let sum = sum(&mut beams, &views(&scene, 12));
+    assert_eq!((sum.unwritten, sum.wrong.len()), (0, 0));
+}
+
+fn seen_from_within_furniture(scene: &Scene) {
     let looks = super::shade::Looks::new(&scene.tables);
     let backs = super::backs::Backs::new(&scene.tables, &looks);
     let [width, height] = SIZE;
-    let (mut beams, mut within) = (Beams::new(&scene), 0);
+    let (mut beams, mut within) = (Beams::new(scene), 0);
     for element in 0..scene.elements().count() as u32 {
         let triangles = (0..scene.detail_triangle_count()).filter(|&t| scene.triangle_element(t) == element);
         let corners: Vec<DVec3> = triangles.flat_map(|t| scene.triangle(t)).map(DVec3::from).collect();
