@@ -65,7 +65,7 @@ const CLEAR: f64 = 1e-8;
 /// The colour of what lies around.
 pub(crate) const SKY_COLOR: u32 = 0xfff5_ddc8;
 
-/// What a picture took. Each band of rows counts by itself, and there are more of them where more threads share the work.
+/// What a picture took. Each band of rows counts by itself, and [`Beams::paint`] makes more of them where more threads share the work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BeamCounts {
     /// Cells, each as often as a beam came through.
@@ -293,7 +293,9 @@ impl Shot<'_> {
         #[cfg(feature = "rayon")]
         if rayon::current_num_threads() > 1 {
             use rayon::prelude::*;
-            let rows = self.rows(pixels, rayon::current_num_threads());
+            // Numbers told of each pixel are for `render`, whose report does not depend on threads.
+            let rows =
+                if self.show == Show::Light { self.rows(pixels, rayon::current_num_threads()) } else { BAND };
             let bands = pixels.par_chunks_mut(rows * self.width as usize).enumerate();
             bands.for_each(|(index, band)| self.band(index * rows, band));
             return;
