@@ -66,7 +66,7 @@ pub(super) struct Sight {
     rounded: f32,
 }
 
-/// A number for each of eight. Each operation is a loop of its own, which compilers make one instruction of.
+/// A number for each of eight. Each operation is a loop of its own, which compilers make one or two instructions of.
 #[derive(Clone, Copy)]
 struct Eight([f32; LANES]);
 
