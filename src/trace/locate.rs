@@ -9,6 +9,8 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::NONE;
+#[cfg(feature = "render")]
+use super::batch::Starts;
 use super::begin::aside;
 use super::free::local;
 use super::path::Prisms;
@@ -128,6 +130,13 @@ impl Scene {
             Some((cell, false)) => self.is_beside_solids(point.into()).then_some(cell),
             None => self.free_cell_at_border(point),
         }
+    }
+
+    /// How rays start at an eye, whose cell is perhaps `hint`: in a cell where that is in no doubt. On a surface or within a solid each must see for
+    /// itself where it begins.
+    #[cfg(feature = "render")]
+    pub(crate) fn starts_at(&self, eye: [f64; 3], hint: u32) -> Starts<'static> {
+        self.free_cell_near(eye, hint).map_or(Starts::Anywhere, Starts::Cell)
     }
 
     /// The same of a point that may be at the border of cells: the one in which a ray from there starts that knows of none.

@@ -1,13 +1,15 @@
 //! Where a ray goes on from a surface: its origin, which rounding may have put behind that surface, or into another solid beside it.
 
+use enfilade_importers::Role;
 use glam::DVec3;
 
 use super::NONE;
-use super::begin::ASIDE;
+use super::begin::{ASIDE, aside};
 use super::cells::among_all;
 use super::kernel::{Ask, Plain};
 use super::single::Line;
-use super::walk::{ROUNDING, Surface, Walk};
+use super::walk::{Found, ROUNDING, Surface, Walk};
+use crate::format::records::{Facing, VolumeRecord};
 use crate::scene::Scene;
 
 /// What a ray came to is off by so much, metres for each metre of coordinate, where it came along it almost.
@@ -53,6 +55,44 @@ impl Scene {
             line.origin += way;
         }
         line
+    }
+
+    /// Whether a ray that goes on from a surface came to the back of a closed solid, as no ray from the air does: rounding has put its origin into that, or so near
+    /// to it that it passes an edge.
+    #[inline]
+    pub(super) fn is_back(&self, line: &Line, found: Found) -> bool {
+        if found.triangle == NONE {
+            return false;
+        }
+        let record = self.tables.record(found.triangle);
+        let is_solid = |volume: &VolumeRecord| volume.role == Role::Solid as u32;
+        if !self.tables.volumes.get(record.volume as usize).is_some_and(is_solid) {
+            return false;
+        }
+        let [a, b, c] = Walk::new(&self.tables).corners(found.triangle);
+        let ahead = (b - a).cross(c - a).dot(line.direction);
+        let is_back = match Facing::of(record.facing) {
+            Some(Facing::Outward) => ahead > 0.0,
+            Some(Facing::Inward) => ahead < 0.0,
+            _ => false,
+        };
+        is_back && !self.is_in_void(line, found.t)
+    }
+
+    /// Whether there is air before what a ray met, and matter behind: a void in a solid has walls that are backs of their own surface.
+    #[cold]
+    fn is_in_void(&self, line: &Line, t: f64) -> bool {
+        let behind = t + aside(line.origin + line.direction * t);
+        let point = line.origin + line.direction * behind;
+        self.comes_by_air(line, t) && self.solid_at(point.to_array()).is_some()
+    }
+
+    /// Whether there is air halfway to what a ray met, and just before.
+    #[cold]
+    pub(super) fn comes_by_air(&self, line: &Line, t: f64) -> bool {
+        let step = aside(line.origin + line.direction * t);
+        let is_air = |t: f64| self.solid_at((line.origin + line.direction * t).to_array()).is_none();
+        is_air(0.5 * (line.tmin + t)) && is_air(t - step)
     }
 
     /// The shortest way out of a solid across one of its faces, if that is no farther than `most`, and not behind the surface from which the ray goes

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::begin::Begin;
+use super::begin::{Begin, aside};
 use super::cells::{Ended, among_all, nearest};
 use super::cost::{Cost, Costs};
 use super::kernel::{Ask, Kernel, Plain, Probe};
@@ -314,22 +314,38 @@ impl Scene {
     /// The answer, `probe` running the walks.
     #[inline]
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
+        /// How many steps aside from where a ray goes on are there.
+        const NEAR: f64 = 64.0;
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
         let surface = surface(start, &line);
         let onward = self.in_front(surface.as_ref(), &line);
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
+        let is_in_doubt = match &surface {
+            Some(surface) => is_away(surface, &line) && self.is_back(&onward, ended.found),
+            None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
+        };
         ended.found.t = ended.found.t.max(line.tmin);
-        if matches!(start, Start::Anywhere) && self.may_start_in_solid(&line) {
+        let first = ended;
+        if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
-            let mut again = |line: &Line| among_all(tables, line, None, probe);
+            let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
+            // So near to where a ray goes on from, in a corner, cannot be told what is within what.
+            let is_there =
+                |found: Found| found.t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin);
             match self.begin(&line, &mut |line| again(line).found) {
+                Begin::InSolid(_) if surface.is_some() && is_there(first.found) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
                     ended = again(&line);
+                }
+                Begin::At(_) if surface.is_some() && self.comes_by_air(&onward, ended.found.t) => {
+                    // Past the edge of what it does not come from within of.
+                    let tmin = ended.found.t + aside(onward.origin + onward.direction * ended.found.t);
+                    ended = among_all(tables, &Line { tmin, ..onward }, None, probe);
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
@@ -370,7 +386,7 @@ impl Scene {
     }
 
     /// The same, from a start that the caller knows, as [`Scene::trace_from`] has it: from a hit to a lamp. There a ray that starts in a
-    /// solid is not in its way.
+    /// solid is not in its way, but for one that goes on from a hit which rounding has put into a solid beside.
     ///
     /// ```no_run
     /// # use enfilade::{Hit, Ray, Scene, Start};
@@ -423,6 +439,10 @@ impl Scene {
         let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
         let line = self.in_front(surface.as_ref(), &line);
         let ended = nearest(&self.tables, &line, surface.as_ref(), start.hint(), probe);
+        if surface.as_ref().is_some_and(|surface| is_away(surface, &line) && self.is_back(&line, ended.found))
+        {
+            return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
+        }
         ended.found.triangle != NONE
             || (is_anywhere
                 && ended.in_matter
@@ -479,6 +499,12 @@ impl Scene {
             .find_map(|point| self.room_at(point))
             .unwrap_or(NONE)
     }
+}
+
+/// Whether a ray goes away from the surface that it starts on: not through it, be that into a solid.
+#[inline]
+fn is_away(surface: &Surface, line: &Line) -> bool {
+    line.direction.dot(surface.normal) > 0.0
 }
 
 /// Where a ray starts, once its place is known: farther from all solids than cells tell, if it starts there.

@@ -60,9 +60,12 @@ impl Way<'_> {
             };
             return Some(Exit::passing(t, link, index));
         }
-        // Out of one of them, and well within the other there.
-        let is_down = over <= -blur_floor;
-        if is_down != (under >= blur_ceiling) || !(is_down || under <= -blur_ceiling) {
+        // Out of one of them, and well within the other there. Of a level one that is not asked: where the ray passes it within the footprint, the other is
+        // on its other side. So packets have it, which know of no slopes.
+        let is_level = [step.height[0], step.height[1]].map(|height| !height.is_nan());
+        let is_down = over <= -blur_floor && (is_level[0] || under >= blur_ceiling);
+        let is_up = under <= -blur_ceiling && (is_level[1] || over >= blur_floor);
+        if !(is_down || is_up) {
             return None;
         }
         let (height, grows, by) = if is_down { (floor, falls, DOWN) } else { (ceiling, rises, UP) };
