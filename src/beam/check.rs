@@ -4,17 +4,14 @@ use std::ops::Deref;
 
 use glam::DVec3;
 
-use super::screen::ASIDE;
+use super::screen;
 use super::{Beams, Surface};
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Hit, NONE, Prisms, Ray, Want};
+use crate::trace::{Answer, Hit, NONE, Prisms, Ray, Want};
 
 /// A pixel whose ray is moved by so many pixels and then meets what the beam says is a tie.
 const TIE: f64 = 1e-2;
-
-/// An eye touches what is so near, metres: there is no one picture of what it touches.
-const TOUCH: f64 = 1e-8;
 
 /// The number of a pixel that nothing was written to.
 pub(crate) const UNWRITTEN: u32 = u32::MAX - 2;
@@ -32,8 +29,6 @@ pub struct Differences {
     pub ties: u64,
     /// Pixels that show a surface that is met within the tolerance of what the ray meets.
     pub flush: u64,
-    /// Pixels that show something else where the ray meets what the eye touches, or they show a triangle that it touches.
-    pub touching: u64,
     /// Pixels that show something else, which the ray of an eye a nanometre aside meets: where eyes are moved to that lie in planes.
     pub aside: u64,
     /// Pixels that show something else, no tie: their columns and rows, what the beam shows, and which triangle the ray meets.
@@ -53,45 +48,42 @@ impl<S: Deref<Target = Scene>> Beams<S> {
 pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]) -> Differences {
     let height = pixels.len() as u32 / width;
     let pinhole = camera.pinhole(width, height);
-    let rays: Vec<Ray> =
-        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pinhole.ray(x, y)).collect();
+    let mut differences = Differences { pixels: pixels.len() as u64, ..Differences::default() };
+    let (mut places, mut rays) = (Vec::new(), Vec::new());
+    for (place, &pixel) in (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).zip(pixels) {
+        match Surface::of(pixel) {
+            _ if pixel == UNWRITTEN => differences.unwritten += 1,
+            Surface::Unsure => differences.unsure += 1,
+            surface => {
+                places.push((place, surface));
+                rays.push(pinhole.ray(place[0], place[1]));
+            }
+        }
+    }
     let mut hits = vec![Hit::ESCAPED; rays.len()];
     scene.trace_many(&rays, &mut hits, Want::default());
-    let mut differences = Differences { pixels: pixels.len() as u64, ..Differences::default() };
     let [_, _, across, down] = pinhole.parts();
-    for ((index, (&pixel, ray)), hit) in pixels.iter().zip(&rays).enumerate().zip(&hits) {
-        if pixel == UNWRITTEN {
-            differences.unwritten += 1;
-            continue;
-        }
-        let surface = Surface::of(pixel);
-        if surface == Surface::Unsure {
-            differences.unsure += 1;
-            continue;
-        }
+    for ((&(place, surface), ray), hit) in places.iter().zip(&rays).zip(&hits) {
         if is_same(scene, surface, hit) {
             continue;
         }
         let direction = DVec3::from(ray.direction);
-        let is_tie = (0..8).any(|turn| {
-            let (sin, cos) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
-            let aside = Ray::new(ray.origin, (direction + (across * cos + down * sin) * TIE).to_array());
-            is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
-        });
+        let is_tie = || {
+            (0..8).any(|turn| {
+                let (sin, cos) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
+                let aside = Ray::new(ray.origin, (direction + (across * cos + down * sin) * TIE).to_array());
+                is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
+            })
+        };
         if is_flush(scene, surface, ray, hit) {
             differences.flush += 1;
             continue;
         }
-        if hit.element != NONE && hit.t <= TOUCH || touches(scene, surface, ray) {
-            differences.touching += 1;
-            continue;
-        }
-        if is_tie {
+        if is_tie() {
             differences.ties += 1;
         } else if is_seen_aside(scene, surface, ray) {
             differences.aside += 1;
         } else {
-            let place = [index as u32 % width, index as u32 / width];
             differences.wrong.push((place, surface, hit.triangle));
         }
     }
@@ -101,26 +93,18 @@ pub(crate) fn compare(scene: &Scene, camera: &Camera, width: u32, pixels: &[u32]
 /// Whether a ray that starts where eyes are moved to, to any side, meets a surface.
 fn is_seen_aside(scene: &Scene, surface: Surface, ray: &Ray) -> bool {
     let prisms = Prisms::new(&scene.tables);
-    let eye = prisms.local(DVec3::from(ray.origin));
+    let (eye, aside) = (prisms.local(DVec3::from(ray.origin)), screen::aside(scene));
     (0..8u32).any(|part| {
         let to = |bit: u32| if part >> bit & 1 != 0 { 1.0 } else { -1.0 };
-        let origin = prisms.global(eye + ASIDE * DVec3::new(to(0), to(1), to(2)));
-        let aside = Ray::new(origin.to_array(), ray.direction);
-        is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &aside, Want::default()))
+        let origin = prisms.global(eye + aside * DVec3::new(to(0), to(1), to(2)));
+        let ray = Ray::new(origin.to_array(), ray.direction);
+        is_same(scene, surface, &scene.trace_from(crate::Start::Anywhere, &ray, Want::default()))
     })
-}
-
-/// Whether a surface is a triangle in a cell in whose plane a ray starts: it may pass that, or not.
-fn touches(scene: &Scene, surface: Surface, ray: &Ray) -> bool {
-    let Surface::Triangle(triangle) = surface else { return false };
-    let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    normal.dot(DVec3::from(ray.origin) - a).abs() <= TOUCH
 }
 
 /// Whether a ray meets a surface's plane within the tolerance of what it meets.
 fn is_flush(scene: &Scene, surface: Surface, ray: &Ray, hit: &Hit) -> bool {
-    if hit.element == NONE {
+    if !matches!(hit.answer(), Answer::Hit(_)) {
         return false;
     }
     let shown = match surface {

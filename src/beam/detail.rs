@@ -14,7 +14,7 @@ use super::kernels::{Bound, Deep, Kernels};
 use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
-use super::sight::{Place, SLACK, Sight, away, reaches, triangles_reach};
+use super::sight::{Place, Sight, away, reaches, triangles_reach};
 use crate::format::Views;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
@@ -157,14 +157,14 @@ impl<'a> Detail<'a> {
         while let Some(link) = self.stack.pop() {
             if link & Leaf::BIT == 0 {
                 let node = &self.tables.nodes[link as usize];
-                let seen = reaches(node, self.eye, &frustum);
+                let seen = reaches(node, self.eye, &frustum, self.sight.slack);
                 self.push_nearest_last(node, seen);
                 continue;
             }
             let leaf = Leaf::new(link);
             let block = &self.tables.blocks[leaf.block()];
             // Triangles that rays are not to meet are no numbers: they reach nowhere.
-            let mut seen = leaf.mask() & triangles_reach(block, self.eye, &frustum);
+            let mut seen = leaf.mask() & triangles_reach(block, self.eye, &frustum, self.sight.slack);
             let backs = self.hidden.of_block(leaf.block());
             if seen != 0 {
                 seen &= !self.sight.hidden(block, backs);
@@ -257,7 +257,7 @@ impl<'a> Detail<'a> {
         let is_seen = |group: &&Group| {
             frustum.iter().all(|normal| {
                 let far = Vec3::select(normal.cmpgt(Vec3::ZERO), group.hi, group.lo);
-                normal.dot(far - self.eye) >= -SLACK
+                normal.dot(far - self.eye) >= -self.sight.slack
             })
         };
         for group in outer.0.iter().filter(is_seen) {

@@ -176,7 +176,14 @@ fn walls_of_glass_are_seen_through_by_rays() {
         let (pixels, left) = by_beams(&scene, Kernel::best(), camera, SIZE);
         let mut by_rays = vec![0; pixels.len()];
         let parts: Vec<[i32; 3]> = (0..height as i32).map(|row| [row, 0, width as i32]).collect();
-        let rays = Rays { scene: &scene, camera, looks: &crossed.looks, width, height, start: None };
+        let rays = Rays {
+            scene: &scene,
+            camera,
+            looks: &crossed.looks,
+            width,
+            height,
+            starts: crate::trace::Starts::Anywhere,
+        };
         rays.shade(&parts, &mut by_rays, SKY_COLOR);
         let unlike = unlike(&pixels, &by_rays);
         assert!(unlike.len() <= 2, "{camera:?} {} {:x?}", unlike.len(), unlike[0]);

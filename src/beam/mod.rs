@@ -27,6 +27,7 @@ pub(crate) mod simd;
 #[cfg(all(test, feature = "compile"))]
 pub(crate) mod tests;
 pub(crate) mod told;
+mod touch;
 pub(crate) mod walk;
 pub(crate) mod wide;
 
@@ -35,6 +36,7 @@ use std::sync::{Mutex, PoisonError};
 
 use backs::{Backs, Hidden};
 pub use check::Differences;
+pub(crate) use check::UNWRITTEN;
 use cover::Depths;
 use detail::Detail;
 use glass::Layers;
@@ -43,7 +45,7 @@ use kernels::Kernels;
 use outer::Outer;
 use parting::Partings;
 use rays::Rays;
-use screen::{ASIDE, Screen};
+use screen::Screen;
 use shade::{Canvas, Looks, Show, square};
 pub(crate) use told::Told;
 use walk::{AROUND, Around, Space, Walker};
@@ -54,13 +56,13 @@ use glam::DVec3;
 use crate::format::records::CellRecord;
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Starts, Want};
+use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Want};
 
 /// Rows that are done together at most, so that what is written stays in a cache.
 const BAND: usize = 256;
 
-/// An eye that is farther than this inside of its cell, metres, is at no border.
-const CLEAR: f64 = 1e-8;
+/// An eye that is farther inside of its cell than so many times what eyes are moved by is at no border, and as far from a surface does not touch it.
+const CLEAR: f64 = 13.0;
 
 /// The colour of what lies around.
 pub(crate) const SKY_COLOR: u32 = 0xfff5_ddc8;
@@ -192,8 +194,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             return BeamCounts::default();
         }
         let (told, counts) = self.tell(camera, width, height);
-        let starts =
-            stand(&self.scene, camera, self.last).map_or(Starts::Anywhere, |(cell, _)| Starts::Cell(cell));
+        let starts = self.scene.starts_at(camera.eye(), self.last);
         told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
         counts
     }
@@ -214,9 +215,9 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         }
         let prisms = Prisms::new(&self.scene.tables);
         let stand = stand(&self.scene, camera, self.last);
-        let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
+        let (start, aside) = stand.map_or((None, DVec3::ZERO), |(cell, aside)| (Some(cell), aside));
         self.last = start.unwrap_or(NONE);
-        let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms, aside);
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
         let shot = Shot { internal, screen, width, show, start, scene, kept, hidden };
@@ -229,48 +230,52 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         }
         counts.unsure = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         if show == Show::Light {
-            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, start };
+            let starts = self.scene.starts_at(camera.eye(), self.last);
+            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
             rays.shade(&unsure, pixels, SKY_COLOR);
         }
         counts
     }
 }
 
-/// The cell of the eye, and where it is moved to, so that it is in no plane: not out of that cell. Where it is in a solid, every pixel is left to rays.
+/// The cell of the eye, and what it is moved by along the lattice's axes, so that it is in no plane: not out of that cell. Where [rays](sees_by_rays) are to tell of
+/// every pixel, or it is in a solid, there is none.
 /// It is perhaps in the cell `last`.
 pub(crate) fn stand(scene: &Scene, camera: &Camera, last: u32) -> Option<(u32, DVec3)> {
+    if sees_by_rays(scene, camera) {
+        return None;
+    }
     let near = scene.free_cell_near(camera.eye(), last);
     let cell = near.or_else(|| match scene.locate(camera.eye()) {
         Place::Air { cell, .. } => Some(cell),
         Place::Outside => Some(AROUND),
         Place::InSolid(_) => None,
     })?;
-    let prisms = Prisms::new(&scene.tables);
+    let (prisms, aside) = (Prisms::new(&scene.tables), screen::aside(scene));
     let (eye, cells) = (prisms.local(DVec3::from(camera.eye())), prisms.cells);
-    let is_clear = || {
+    let is_within = || {
         let record = &cells[cell as usize];
-        record.kind == CellRecord::AIR && prisms.outside(record, eye) < -CLEAR
+        record.kind == CellRecord::AIR && prisms.outside(record, eye) < -CLEAR * aside.x
     };
-    if cell == AROUND || is_clear() {
-        return Some((cell, DVec3::ONE));
+    if cell == AROUND || is_within() {
+        return Some((cell, aside));
     }
-    // On a border. Of the eight parts of the space around, one of the air from which the matter in the others is as far as can be: so that what looks
-    // past an edge, or a corner, sees past it.
+    // On a border: into that of the eight parts of the space around which is air.
     let sign = |part: u32, axis: u32| if part >> axis & 1 == 0 { 1.0 } else { -1.0 };
-    let signs = |part: u32| DVec3::new(sign(part, 0), sign(part, 1), sign(part, 2));
-    let places: Vec<Option<u32>> = (0..8)
-        .map(|part| {
-            let cell = prisms.place(eye + ASIDE * signs(part), 0.0)?;
-            (cells[cell as usize].kind == CellRecord::AIR).then_some(cell)
-        })
-        .collect();
-    let parts = || (0..8u32).zip(&places);
-    let away = |part: u32| -> u32 {
-        parts().filter(|(_, place)| place.is_none()).map(|(other, _)| (part ^ other).count_ones()).sum()
-    };
-    let air = parts().filter_map(|(part, place)| place.map(|cell| (part, cell)));
-    let best = air.max_by_key(|&(part, _)| (away(part), std::cmp::Reverse(part)));
-    Some(best.map_or((cell, DVec3::ONE), |(part, cell)| (cell, signs(part))))
+    let to = |part: u32| aside * DVec3::new(sign(part, 0), sign(part, 1), sign(part, 2));
+    let mut air = (0..8).filter_map(|part| {
+        let cell = prisms.place(eye + to(part), 0.0)?;
+        (cells[cell as usize].kind == CellRecord::AIR).then_some((cell, to(part)))
+    });
+    Some(air.next().unwrap_or((cell, aside)))
+}
+
+/// Whether rays are to tell of every pixel: where cells are coarser than the tolerance, what they tell of a picture's edges is off by as much; and an eye that
+/// touches a surface may be in a cell on its other side.
+pub(crate) fn sees_by_rays(scene: &Scene, camera: &Camera) -> bool {
+    let step = (-f64::from(scene.tables.scene[0].lattice_bits)).exp2();
+    let margin = step.max(CLEAR * screen::aside(scene).x);
+    scene.tolerance() < 2.0 * step || touch::is_touched(scene, DVec3::from(camera.eye()), margin)
 }
 
 /// Whether a cell is of the air around the building, or is all that is around the prisms.

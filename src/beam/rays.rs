@@ -24,8 +24,8 @@ pub(crate) struct Rays<'a> {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) looks: &'a Looks,
-    /// The cell of the eye, if that is in the air.
-    pub(crate) start: Option<u32>,
+    /// Where they start.
+    pub(crate) starts: Starts<'a>,
 }
 
 impl Rays<'_> {
@@ -44,8 +44,7 @@ impl Rays<'_> {
             }
             hits.clear();
             hits.resize(rays.len(), Hit::ESCAPED);
-            let starts = self.start.map_or(Starts::Anywhere, Starts::Cell);
-            self.scene.trace_many_of(starts, &rays, &mut hits, Want { triangle: true, ..Want::LEAST });
+            self.scene.trace_many_of(self.starts, &rays, &mut hits, Want { triangle: true, ..Want::LEAST });
             for ((&at, ray), hit) in at.iter().zip(&rays).zip(&hits) {
                 pixels[at] = self.seen(ray, hit, sky);
             }

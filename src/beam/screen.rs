@@ -8,11 +8,25 @@ use glam::{DVec2, DVec3};
 use super::rows::Line;
 use crate::format::records::PlaneRecord;
 use crate::render::Pinhole;
+use crate::scene::Scene;
 use crate::trace::Prisms;
 
 /// The eye is taken to be so far, metres, from where it is, in a direction that no building has: then it lies in no plane of a cell.
-/// Seen from a metre away that is a millionth of a pixel.
-pub(crate) const ASIDE: DVec3 = DVec3::new(0.754_877_666e-9, 0.569_840_291e-9, 0.430_159_709e-9);
+/// Seen from a metre away that is a millionth of a pixel. Less, in a building of millimetres.
+const ASIDE: DVec3 = DVec3::new(0.754_877_666e-9, 0.569_840_291e-9, 0.430_159_709e-9);
+
+/// No more than this share of the tolerance.
+const ASIDE_SHARE: f64 = 1e-6;
+
+/// No less than this share of a scene's largest coordinate, which are tens of roundings.
+const ASIDE_LEAST: f64 = 1e-14;
+
+/// How far eyes are moved along each axis of a scene's lattice.
+pub(crate) fn aside(scene: &Scene) -> DVec3 {
+    let [lo, hi] = scene.hull().map(|corner| DVec3::from(corner).abs().max_element());
+    let most = (ASIDE_SHARE * scene.tolerance()).min(ASIDE.x);
+    ASIDE * (most.max(ASIDE_LEAST * lo.max(hi)) / ASIDE.x)
+}
 
 /// An eye that is farther outside of its own cell than this, metres, counts as this far inside.
 const WITHIN: f64 = 1e-12;
@@ -28,12 +42,12 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    /// The eye is moved toward where `signs` say along the lattice's axes.
-    pub(crate) fn new(pinhole: &Pinhole, prisms: &Prisms<'_>, signs: DVec3) -> Screen {
+    /// The eye is moved by `aside` along the lattice's axes.
+    pub(crate) fn new(pinhole: &Pinhole, prisms: &Prisms<'_>, aside: DVec3) -> Screen {
         let [eye, corner, across, down] = pinhole.parts();
         let [corner, across, down] = [corner, across, down].map(|d| prisms.turned(d));
         let first = corner + (across + down) * 0.5;
-        Screen { eye: prisms.local(eye) + ASIDE * signs, first, across, down }
+        Screen { eye: prisms.local(eye) + aside, first, across, down }
     }
 
     /// The same along the internal frame's axes.

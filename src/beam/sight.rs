@@ -6,8 +6,8 @@ use super::rows::Region;
 use super::wide::MAGIC;
 use crate::format::records::{BlockRecord, LANES, NodeRecord};
 
-/// Boxes are this much larger, metres: what f32 rounds.
-pub(super) const SLACK: f32 = 1e-3;
+/// Half-spaces are no less than this much larger, metres: what f32 rounds in buildings of any common size.
+const SLACK: f32 = 1e-3;
 
 /// What f32 may round in some products and sums, as a share of what is added.
 const ROUNDED: f32 = 16.0 * f32::EPSILON;
@@ -64,6 +64,8 @@ pub(super) struct Sight {
     off: [f32; 3],
     /// What it may do to a place, metres.
     rounded: f32,
+    /// By how much half-spaces are larger, metres.
+    pub(super) slack: f32,
 }
 
 /// A number for each of eight. Each operation is a loop of its own, which compilers make one or two instructions of.
@@ -192,7 +194,8 @@ impl Sight {
         let off =
             rows.map(|row| (row.abs().element_sum() * reach * ROUNDINGS * f64::from(f32::EPSILON)) as f32);
         let rounded = (reach * 4.0 * f64::from(f32::EPSILON)) as f32;
-        Sight { rows: rows.map(|row| row.as_vec3()), eye, off, rounded }
+        let slack = SLACK.max(4.0 * rounded);
+        Sight { rows: rows.map(|row| row.as_vec3()), eye, off, rounded, slack }
     }
 
     /// Which of the children of a node show in a region, which has this frustum, and where.
@@ -216,7 +219,7 @@ impl Sight {
             }
             extent.add(at);
         }
-        let (seen, places) = self.places(&extent, region, reaches(node, self.eye, frustum));
+        let (seen, places) = self.places(&extent, region, reaches(node, self.eye, frustum, self.slack));
         Boxes { seen, places, away: away(node, self.eye) }
     }
 
@@ -246,7 +249,7 @@ impl Sight {
             extent.add(corner);
         }
         // Triangles that rays are not to meet are no numbers: they reach nowhere.
-        self.places(&extent, region, triangles_reach(block, self.eye, frustum))
+        self.places(&extent, region, triangles_reach(block, self.eye, frustum, self.slack))
     }
 
     /// Which of a block's triangles the eye surely sees from that side from which they are left out: of the first they are where their corners go
@@ -313,12 +316,12 @@ impl Sight {
     }
 }
 
-/// The triangles of a block that reach into all of the half-spaces, triangle i as bit i.
+/// The triangles of a block that reach into all of the half-spaces, which are larger by `slack` metres, triangle i as bit i.
 #[inline(always)]
-pub(super) fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
+pub(super) fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4], slack: f32) -> u32 {
     let mut inside = [true; LANES];
     for &normal in frustum {
-        let limit = normal.dot(eye) - SLACK;
+        let limit = normal.dot(eye) - slack;
         let [second, third] = [Eight::along(normal, &block.edge1), Eight::along(normal, &block.edge2)];
         let most = second.max(third).max(Eight::splat(0.0)).add(Eight::along(normal, &block.corner));
         inside = each!(false, |i| inside[i] & (most.0[i] >= limit));
@@ -326,12 +329,12 @@ pub(super) fn triangles_reach(block: &BlockRecord, eye: Vec3, frustum: &[Vec3; 4
     bits(inside)
 }
 
-/// The children of a node that reach into all of the half-spaces, child i as bit i.
+/// The children of a node that reach into all of the half-spaces, which are larger by `slack` metres, child i as bit i.
 #[inline(always)]
-pub(super) fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4]) -> u32 {
+pub(super) fn reaches(node: &NodeRecord, eye: Vec3, frustum: &[Vec3; 4], slack: f32) -> u32 {
     let mut inside = [true; LANES];
     for normal in frustum {
-        let limit = normal.dot(eye) - SLACK;
+        let limit = normal.dot(eye) - slack;
         let mut far = Eight::splat(0.0);
         for axis in 0..3 {
             let n = normal[axis];

@@ -389,16 +389,35 @@ fn part(packet: &Packet, bits: Option<u64>, row: usize) -> [i32; 2] {
     }
 }
 
+/// What f32 may round of where a line is within a leaf, as a share of the most that it changes by.
+const ROUNDED: f32 = 1e-6;
+
 /// Which of the pixels of a leaf that starts at `from` are where a line is less than 0. The same bits by every kernel.
 #[inline(always)]
 fn below<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3]) -> u64 {
     // The first pixel's in f64: what f32 then adds is small.
     let first = u * f64::from(from[0]) + v * f64::from(from[1]) + w;
     let along = W::count().mul(W::splat(u as f32));
-    let mut bits = 0;
+    // Nearer to 0 than this, f32 does not tell: a line through pixels runs along a plane that the eye is in, and all of its planes are to be on one side of it.
+    let near = W::splat((u.abs() * WIDE as f64 + v.abs() * ROWS as f64) as f32 * ROUNDED);
+    let (mut bits, mut doubt) = (0, 0);
     for j in 0..ROWS {
         let value = along.add(W::splat((first + v * j as f64) as f32));
         bits |= u64::from(W::splat(0.0).greater(value)) << (WIDE * j);
+        doubt |= u64::from(near.greater(value.abs())) << (WIDE * j);
+    }
+    if doubt == 0 { bits } else { exactly_below(first, [u, v], (bits, doubt)) }
+}
+
+/// The same, where those that are in doubt are told in f64.
+#[cold]
+#[inline(never)]
+fn exactly_below(first: f64, [u, v]: [f64; 2], (mut bits, mut doubt): (u64, u64)) -> u64 {
+    while doubt != 0 {
+        let bit = doubt.trailing_zeros() as usize;
+        doubt &= doubt - 1;
+        let value = u * (bit % WIDE) as f64 + v * (bit / WIDE) as f64 + first;
+        bits = bits & !(1 << bit) | u64::from(value < 0.0) << bit;
     }
     bits
 }

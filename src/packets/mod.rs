@@ -22,7 +22,7 @@ use tree::Tree;
 use waiting::Waiting;
 
 use crate::beam::backs::Backs;
-use crate::beam::check::{UNWRITTEN, compare};
+use crate::beam::check::compare;
 use crate::beam::cover::Depths;
 use crate::beam::detail::Detail;
 use crate::beam::glass::Layers;
@@ -34,10 +34,10 @@ use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
 use crate::beam::walk::AROUND;
-use crate::beam::{Differences, SKY_COLOR, Told, simd, stand, told};
+use crate::beam::{Differences, SKY_COLOR, Told, UNWRITTEN, simd, stand, told};
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Hit, Kernel, NONE, Prisms, Starts, Want};
+use crate::trace::{Hit, Kernel, NONE, Prisms, Want};
 
 /// What a picture took. Of its pixels each is told by a packet as a whole, apart from others in a leaf, or by a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -141,7 +141,12 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         // In which cells rays end is looked for where they do.
         let told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
-        told.hits(&self.scene, told::pixels(camera, width, height), (want, Starts::Anywhere), hits);
+        told.hits(
+            &self.scene,
+            told::pixels(camera, width, height),
+            (want, self.scene.starts_at(camera.eye(), NONE)),
+            hits,
+        );
         counts
     }
 
@@ -164,8 +169,8 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         let tables = &self.scene.tables;
         let prisms = Prisms::new(tables);
         let stand = stand(&self.scene, camera, NONE);
-        let (start, signs) = stand.map_or((None, DVec3::ONE), |(cell, signs)| (Some(cell), signs));
-        let screen = Screen::new(&camera.pinhole(width, height), &prisms, signs);
+        let (start, aside) = stand.map_or((None, DVec3::ZERO), |(cell, aside)| (Some(cell), aside));
+        let screen = Screen::new(&camera.pinhole(width, height), &prisms, aside);
         let (kept, internal) = (&self.kept, screen.internal(&prisms));
         let shot = Shot {
             number: self.shots,
@@ -191,7 +196,8 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         }
         counts.rays = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
         if show == Show::Light {
-            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, start };
+            let starts = self.scene.starts_at(camera.eye(), NONE);
+            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
             rays.shade(&unsure, pixels, SKY_COLOR);
         }
         counts

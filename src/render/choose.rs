@@ -1,6 +1,7 @@
 //! Which way to make a picture, by what the scene, its eye and its size are.
 
 use super::Camera;
+use crate::beam::sees_by_rays;
 use crate::scene::Scene;
 use crate::trace::Place;
 
@@ -23,11 +24,14 @@ impl PictureWay {
     /// The one that takes the least time for the picture that `camera` takes of `scene`, so many pixels wide and high, if what
     /// the way needs to know of the scene is kept for many pictures, or found for this one.
     ///
-    /// Beams need an eye in the air; from within a solid each ray must see for itself whether it leaves it within the tolerance. A picture of a few
-    /// pixels takes rays less than the lines of the cells take beams, and so does one of fewer pixels than the triangles that are looked at: all of them where
-    /// nothing is kept, or where the eye is outside, in no cell of a room. Packets ([`Packets`](crate::packets::Packets)) are never chosen: beams
-    /// took less time in each scene that was measured.
+    /// Beams need cells that are finer than the tolerance, and an eye in the air that touches no surface: from within a solid each ray must see for itself
+    /// whether it leaves it within the tolerance. A picture of a few pixels takes rays less than the lines of the cells take beams, and so does one of
+    /// fewer pixels than the triangles that are looked at: all of them where nothing is kept, or where the eye is outside, in no cell of a room. Packets
+    /// ([`Packets`](crate::packets::Packets)) are never chosen: beams took less time in each scene that was measured.
     pub fn of(scene: &Scene, camera: &Camera, (width, height): (u32, u32), is_kept: bool) -> PictureWay {
+        if sees_by_rays(scene, camera) {
+            return PictureWay::Rays;
+        }
         let is_outside = match scene.locate(camera.eye()) {
             Place::InSolid(_) => return PictureWay::Rays,
             Place::Air { room, .. } => room.is_none(),

@@ -113,8 +113,7 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
         scene,
         pinhole: camera.pinhole(width, height),
         options,
-        // From within a solid each ray must see for itself whether it leaves it within the tolerance.
-        starts: if let Place::Air { cell, .. } = place { Starts::Cell(cell) } else { Starts::Anywhere },
+        starts: scene.starts_at(camera.eye(), crate::trace::NONE),
         bands: height.div_ceil(TILE) as usize,
         done: AtomicUsize::new(0),
     };

@@ -13,6 +13,7 @@ use crate::trace::{Answer, Hit, Ray};
 const ROUNDING: f64 = 1e-9;
 
 /// What an answer is worth.
+#[derive(Debug)]
 pub(super) enum Worth {
     /// Exactly what the ray meets.
     Exact,

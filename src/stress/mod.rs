@@ -180,7 +180,7 @@ fn run(
         let source = Source::new(&scene, &truth, trial.inside, options.seed);
         let which = (options.first, options.pictures);
         report.pictures.extend(pictures::pictures(
-            (&trial.name, &scene),
+            (&trial.name, &Judge { scene: &scene, truth: &truth }),
             &source,
             families,
             which,

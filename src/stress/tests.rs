@@ -266,6 +266,29 @@ fn a_segment_that_ends_before_matter_is_not_in_doubt_about_it() {
     seeded(6, "house-damaged", Family::Surfaces, 3240);
 }
 
+#[test]
+fn a_ray_from_the_corner_of_an_opening_ran_on_inside_the_wall() {
+    seeded(21, "tilted-1", Family::Surfaces, 7848);
+    seeded(32, "tilted-1", Family::Surfaces, 3560);
+    seeded(21, "house-damaged", Family::AlongEdges, 6908);
+}
+
+#[test]
+fn a_ray_from_a_pane_met_the_back_of_the_wall_along_whose_opening_it_ran() {
+    seeded(5, "scaled-1e-3", Family::AlongEdges, 4436);
+    seeded(6, "scaled-1e-3", Family::AlongEdges, 4768);
+    seeded(21, "scaled-1e-3", Family::AlongEdges, 2100);
+}
+
+/// Where a ceiling slopes down to the floor: the one way was in doubt which of the two it leaves through, the other looked at the level floor alone.
+#[test]
+fn a_ray_and_one_in_a_batch_told_a_floor_by_unlike_planes() {
+    staged_with(5, "near-vertical", Family::Anywhere, |stage, _| {
+        let found = stage.block(Family::Anywhere, 0..1024);
+        assert!(found.counts.bad() == 0 && found.counts.rays == 1024, "{:?}", found.cases);
+    });
+}
+
 #[cfg(feature = "render")]
 #[test]
 fn pictures_from_hard_places_show_what_rays_meet() {
@@ -279,4 +302,50 @@ fn pictures_from_hard_places_show_what_rays_meet() {
         assert_eq!(row.bad(), 0, "{row:?}");
     }
     assert!(report.text().contains("unwritten"), "{}", report.text());
+}
+
+/// Makes one picture by each way and kernel, in which pixels were wrong once.
+#[cfg(feature = "render")]
+#[track_caller]
+fn pictured(seed: u64, trial: &str, family: Family, index: u64) {
+    let (trials, families) = (vec![trial.to_owned()], vec![family]);
+    let options =
+        StressOptions { seed, rays: 1, first: index, pictures: 1, trials, families, ..Default::default() };
+    let report = stress(&options).unwrap();
+    let rows: Vec<_> = report.pictures.iter().filter(|row| row.trial == trial).collect();
+    assert!(rows.len() == 2 && rows.iter().all(|row| row.pixels > 1000), "{rows:?}");
+    rows.iter().for_each(|row| assert_eq!(row.bad(), 0, "{row:?}"));
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn a_picture_from_between_parts_of_nanometres_saw_through_one() {
+    pictured(21, "flat-cells", Family::Grazing, 0);
+    pictured(21, "round-1000", Family::Surfaces, 0);
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn rays_left_over_by_a_picture_from_an_edge_began_behind_it() {
+    pictured(21, "turned-0", Family::AlongEdges, 2);
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn a_picture_from_a_wall_that_cells_round_showed_what_is_behind_it() {
+    pictured(22, "house-damaged", Family::Zeros, 0);
+    pictured(22, "tilted-1", Family::Surfaces, 4);
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn packets_told_pixels_on_a_line_apart_by_what_f32_rounds() {
+    pictured(22, "thin-walls", Family::Borders, 6);
+    pictured(22, "near-vertical", Family::Borders, 6);
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn a_picture_of_a_building_of_thousands_of_kilometres_left_out_what_was_near() {
+    pictured(22, "scaled-1e6", Family::AlongEdges, 0);
 }
