@@ -27,7 +27,7 @@ impl PictureWay {
     /// Beams need cells that are finer than the tolerance, and an eye in the air that touches no surface: from within a solid each ray must see for itself
     /// whether it leaves it within the tolerance. A picture of a few pixels takes rays less than the lines of the cells take beams, and so does one of
     /// fewer pixels than the triangles that are looked at: all of them where nothing is kept, or where the eye is outside, in no cell of a room. Packets
-    /// ([`Packets`](crate::packets::Packets)) are never chosen: beams took less time in each scene that was measured.
+    /// ([`Packets`](crate::packets::Packets)) are never chosen: beams took less time, or at most a tenth more, in each scene that was measured.
     pub fn of(scene: &Scene, camera: &Camera, (width, height): (u32, u32), is_kept: bool) -> PictureWay {
         if sees_by_rays(scene, camera) {
             return PictureWay::Rays;
