@@ -273,7 +273,7 @@ pub(crate) fn stand(scene: &Scene, camera: &Camera, last: u32) -> Option<(u32, D
 /// Whether rays are to tell of every pixel: where cells are coarser than the tolerance, what they tell of a picture's edges is off by as much; and an eye that
 /// touches a surface may be in a cell on its other side.
 pub(crate) fn sees_by_rays(scene: &Scene, camera: &Camera) -> bool {
-    let step = (-f64::from(scene.tables.scene[0].lattice_bits)).exp2();
+    let step = scene.tables.scene[0].lattice_step();
     let margin = step.max(CLEAR * screen::aside(scene).x);
     scene.tolerance() < 2.0 * step || touch::is_touched(scene, DVec3::from(camera.eye()), margin)
 }

@@ -45,7 +45,8 @@ fn corners(scene: &Scene, triangle: u32) -> [DVec3; 3] {
     scene.tables.triangles[triangle as usize].map(|v| DVec3::from(scene.tables.vertices[v as usize]))
 }
 
-/// How far a point is from a triangle: from one of its sides, or along the perpendicular if its foot lies within.
+/// How far a point is from a triangle: from one of its sides, or along the perpendicular if its foot lies within. The truth's own
+/// (`oracle::triangle`) is not in a library without the compiler.
 fn distance(corners: [DVec3; 3], point: DVec3) -> f64 {
     let from = corners.map(|corner| corner - point);
     let ways = [0, 1, 2].map(|i| corners[(i + 1) % 3] - corners[i]);

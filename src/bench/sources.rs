@@ -93,7 +93,7 @@ pub fn sources(model: &Model, options: &SourceOptions) -> Result<SourceReport, C
     Ok(SourceReport {
         version: env!("CARGO_PKG_VERSION"),
         tolerance: scene.tolerance(),
-        lattice: (-f64::from(scene.tables.scene[0].lattice_bits)).exp2(),
+        lattice: scene.tables.scene[0].lattice_step(),
         rays: rays.len() as u64,
         tied,
         rows: experiment.rows(&whole, &truth),

@@ -59,6 +59,13 @@ pub struct SceneRecord {
     pub reserved: u32,
 }
 
+impl SceneRecord {
+    /// The step of the lattice that cells are rounded to, metres.
+    pub fn lattice_step(&self) -> f64 {
+        (-f64::from(self.lattice_bits)).exp2()
+    }
+}
+
 /// What a scene holds, so that what it lacks can be skipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits(pub u32);

@@ -95,7 +95,7 @@ impl<'a> Prisms<'a> {
             dims: scene.grid_dims,
             origin: scene.lattice_origin,
             turn: scene.lattice_turn,
-            reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
+            reach: LARGEST * scene.lattice_step(),
         }
     }
 
@@ -118,7 +118,7 @@ impl<'a> Prisms<'a> {
             dims: scene.grid_dims,
             origin: scene.lattice_origin,
             turn: scene.lattice_turn,
-            reach: LARGEST * (-f64::from(scene.lattice_bits)).exp2(),
+            reach: LARGEST * scene.lattice_step(),
         }
     }
 

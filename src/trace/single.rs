@@ -326,7 +326,6 @@ impl Scene {
             None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
         };
         ended.found.t = ended.found.t.max(line.tmin);
-        let first = ended;
         if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
             let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
@@ -334,7 +333,7 @@ impl Scene {
             let is_there =
                 |found: Found| found.t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin);
             match self.begin(&line, &mut |line| again(line).found) {
-                Begin::InSolid(_) if surface.is_some() && is_there(first.found) => {}
+                Begin::InSolid(_) if surface.is_some() && is_there(ended.found) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
