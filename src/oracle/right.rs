@@ -31,7 +31,7 @@
 //! seen along the ray: one for each set of parallel rays that meet the same surfaces in the same order, down to sets
 //! narrower than some picometres. What of a triangle lies that near to a ray, which no ray of f64 can be aimed at, is met
 //! by that ray too: be it the whole depth of a triangle that is seen from the side. Of hundreds of edges within the
-//! tolerance of one ray it tries the nearest 64.
+//! tolerance of one ray it tries the nearest 64, and, if none of that will do, 192 places spread over all the tolerance.
 
 use super::leave;
 use super::soup::first_t;

@@ -81,7 +81,7 @@ fn step_at(reach: f64) -> f64 {
 }
 
 /// A nanometre, or more where coordinates are so large that f64 cannot tell.
-fn touch_at(reach: f64) -> f64 {
+pub(super) fn touch_at(reach: f64) -> f64 {
     1e-9 * (reach / 1000.0).max(1.0)
 }
 
@@ -216,6 +216,8 @@ impl<'a> Search<'a> {
         let shares = [0.25, 0.5, 0.75];
         let mut partly: Vec<Point> =
             direct.iter().flat_map(|way| shares.map(|share| way.map(|c| share * c))).collect();
+        // Past more edges than are looked at, all at once: some way up, the ray is past all the tops of a round wall.
+        partly.extend(around(self.truth.tolerance));
         let mut places = arrangement.points();
         // None across: a start that is moved along the ray, or a sliver that it passes.
         places.push([0.0; 2]);
@@ -421,6 +423,16 @@ impl<'a> Search<'a> {
         let met = near.into_iter().find(|hit| left.iter().all(|solid| solid.0 != hit.element));
         Some(met.or_else(|| self.truth.nearest(&Ray { tmin: begin + skin, ..*ray })))
     }
+}
+
+/// Points around the origin, in sixteen directions, up to a radius and nearer by thirds of it.
+fn around(radius: f64) -> impl Iterator<Item = Point> {
+    const DIRECTIONS: u32 = 16;
+    let direction = |number: u32| (f64::from(number) + 0.5) * std::f64::consts::TAU / f64::from(DIRECTIONS);
+    let shares = (0..12).map(move |power| radius * (1.0 - 1e-9) / 3f64.powi(power));
+    shares.flat_map(move |size| {
+        (0..DIRECTIONS).map(move |number| [size * direction(number).cos(), size * direction(number).sin()])
+    })
 }
 
 /// The part of a convex polygon within the box of these half-widths: two across the ray, and the depth along it.

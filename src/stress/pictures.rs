@@ -20,7 +20,8 @@ const SIZE: [u32; 2] = [49, 33];
 /// Vertical field of view, degrees.
 const VIEW: f64 = 75.0;
 
-/// Of the pixels of a picture that do not show what their ray meets so many are judged at most: each may take the truth a tenth of a second.
+/// Of the pixels of a picture that do not show what their ray meets so many are judged at first, and all if one of these is wrong: each may take
+/// the truth a tenth of a second.
 const JUDGED: usize = 48;
 
 /// Metres for each metre and one by which what a picture and a ray meet may be off to be the same.
@@ -52,7 +53,8 @@ pub struct PictureRow {
     pub beside: u64,
     /// Those that show that the eye is in a solid, which it is.
     pub in_solid: u64,
-    /// Pixels that do not show what their ray meets and were not judged: of each picture 48 at most are, spread evenly among those.
+    /// Pixels that do not show what their ray meets and were not judged: of a picture with more than 48 of them so many are, spread evenly, and the
+    /// others only if one of these is wrong.
     pub unjudged: u64,
     /// Pixels that show something else.
     pub wrong: u64,
@@ -124,31 +126,40 @@ impl PictureRow {
             }
         }
         let step = others.len().div_ceil(JUDGED).max(1);
+        let (sample, rest): (Vec<_>, Vec<_>) = (0..others.len()).partition(|number| number % step == 0);
         let (mut wrong, mut first) = (0, None);
-        for &index in others.iter().step_by(step) {
-            match view.judged(index, &taken.hits[index]) {
-                Ok(counts) => {
-                    self.exact += counts.exact + counts.oracle;
-                    self.ties += counts.ties;
-                    self.close += counts.close + counts.flush;
-                    self.beside += counts.beside;
-                    self.in_solid += counts.in_solid;
-                }
-                Err(what) => {
-                    wrong += 1;
-                    first.get_or_insert((index, what.clone()));
+        let mut judge = |part: &[usize]| {
+            for &number in part {
+                let index = others[number];
+                match view.judged(index, &taken.hits[index]) {
+                    Ok(counts) => {
+                        self.exact += counts.exact + counts.oracle;
+                        self.ties += counts.ties;
+                        self.close += counts.close + counts.flush;
+                        self.beside += counts.beside;
+                        self.in_solid += counts.in_solid;
+                    }
+                    Err(what) => {
+                        wrong += 1;
+                        first.get_or_insert_with(|| (index, what.clone()));
+                    }
                 }
             }
+            wrong
+        };
+        // All of them once one of the sample is wrong, so that what is wrong in a picture is counted, not sampled.
+        if judge(&sample) > 0 {
+            judge(&rest);
+        } else {
+            self.unjudged += rest.len() as u64;
         }
-        self.unjudged += (others.len() - others.len().div_ceil(step)) as u64;
         self.wrong += wrong;
         // One pixel tells of all that are wrong in a picture.
         if let Some((index, what)) = first
             && self.cases.len() < most
         {
             let [x, y] = place(index);
-            self.cases
-                .push(format!("{which}: {wrong} pixels that were judged; in column {x}, row {y}, {what}"));
+            self.cases.push(format!("{which}: {wrong} pixels; in column {x}, row {y}, {what}"));
         }
     }
 }

@@ -349,3 +349,42 @@ fn packets_told_pixels_on_a_line_apart_by_what_f32_rounds() {
 fn a_picture_of_a_building_of_thousands_of_kilometres_left_out_what_was_near() {
     pictured(22, "scaled-1e6", Family::AlongEdges, 0);
 }
+
+#[test]
+fn a_ray_that_goes_on_met_a_plane_again_whose_edge_it_passes_beside() {
+    seeded(33, "scaled-1e3", Family::Vertices, 1032);
+}
+
+#[test]
+fn a_ray_from_the_pane_that_it_started_on_met_its_other_triangle() {
+    seeded(6, "house-damaged", Family::Zeros, 51472);
+}
+
+#[test]
+fn a_ray_that_could_not_be_moved_out_of_a_corner_ran_on_inside_the_wall() {
+    seeded(33, "house-cad", Family::AlongEdges, 1512);
+}
+
+/// Nor is a ray in doubt that meets something where it goes on from, or a face as near to that as rounding.
+#[test]
+fn a_ray_from_a_corner_meets_what_is_there() {
+    seeded(41, "flat-cells", Family::Vertices, 4212);
+    seeded(41, "turned-0", Family::Vertices, 2452);
+    seeded(41, "near-coplanar", Family::Surfaces, 2068);
+}
+
+#[test]
+fn a_needle_met_from_within_another_had_no_witness() {
+    seeded(34, "needles", Family::Surfaces, 4990);
+}
+
+#[test]
+fn a_ray_from_a_bent_floor_passed_it_and_its_segment_did_not() {
+    seeded(6, "house-damaged", Family::Surfaces, 8878);
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn a_ray_a_little_above_hundreds_of_edges_was_no_witness() {
+    pictured(31, "round-1000", Family::Grazing, 0);
+}

@@ -13,7 +13,7 @@ use super::NONE;
 use super::batch::Starts;
 use super::begin::aside;
 use super::free::local;
-use super::path::Prisms;
+use super::path::{BLURRED, Prisms};
 use crate::format::records::{CellRecord, SceneRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
@@ -147,10 +147,13 @@ impl Scene {
             return None;
         }
         let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));
-        let cell = prisms.place(prisms.local(middle), prisms.rounding().min(self.tolerance()))?;
+        let local = prisms.local(middle);
+        let cell = prisms.place(local, prisms.rounding().min(self.tolerance()))?;
+        let record = &prisms.cells[cell as usize];
         let is_clear =
             || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point.into());
-        (prisms.cells[cell as usize].kind == CellRecord::AIR && is_clear()).then_some(cell)
+        let is_clear = || !prisms.is_beside_rough(record, local, BLURRED) && is_clear();
+        (record.kind == CellRecord::AIR && is_clear()).then_some(cell)
     }
 
     /// The smallest room that holds `point`.

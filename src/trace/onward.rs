@@ -30,15 +30,24 @@ const OPPOSITE: f64 = -0.99;
 /// Surfaces of other elements that are passed on the way out of a solid.
 const MOST_PASSED: usize = 8;
 
+/// Whether what a ray meets is so near to where it goes on from that, in a corner, cannot be told what is within what.
+pub(super) fn is_at_start(line: &Line, t: f64) -> bool {
+    /// Steps aside.
+    const NEAR: f64 = 64.0;
+    t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin)
+}
+
 impl Scene {
     /// The ray with its origin in the air to which it goes on, where rounding has put it behind the surface from which it goes, or into a solid that
-    /// meets the surface there: almost along that it would come out of it only much farther on.
-    pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> Line {
-        let Some(surface) = surface else { return *line };
-        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else { return *line };
+    /// meets the surface there: almost along that it would come out of it only much farther on. And whether it is still in one.
+    pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> (Line, bool) {
+        let Some(surface) = surface else { return (*line, false) };
+        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else {
+            return (*line, false);
+        };
         if line.direction.dot(surface.normal) <= 0.0 {
             // Through it: that may be into a solid.
-            return *line;
+            return (*line, false);
         }
         let reach = (DEEP * (1.0 + line.origin.abs().max_element())).max(UNEVEN);
         let most = reach.min(MOST * self.tolerance()).max(surface.near);
@@ -51,10 +60,11 @@ impl Scene {
             }
             let may_be_in = line.tmin <= most && self.may_be_in_solid(line.origin.to_array(), 0.0);
             let solid = may_be_in.then(|| self.solid_at(line.origin.to_array())).flatten();
-            let Some(way) = solid.and_then(|solid| self.way_out(&line, surface, solid, most)) else { break };
+            let Some(solid) = solid else { return (line, false) };
+            let Some(way) = self.way_out(&line, surface, solid, most) else { break };
             line.origin += way;
         }
-        line
+        (line, true)
     }
 
     /// Whether a ray that goes on from a surface came to the back of a closed solid, as no ray from the air does: rounding has put its origin into that, or so near
@@ -85,6 +95,12 @@ impl Scene {
         let behind = t + aside(line.origin + line.direction * t);
         let point = line.origin + line.direction * behind;
         self.comes_by_air(line, t) && self.solid_at(point.to_array()).is_some()
+    }
+
+    /// Whether a ray that goes on from a surface came to what it met farther on, if anything, through a solid.
+    #[cold]
+    pub(super) fn comes_through_solids(&self, line: &Line, found: Found) -> bool {
+        found.triangle != NONE && !is_at_start(line, found.t) && !self.comes_by_air(line, found.t)
     }
 
     /// Whether there is air halfway to what a ray met, and just before.

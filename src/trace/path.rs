@@ -6,7 +6,9 @@ use glam::{DVec2, DVec3};
 use super::NONE;
 use super::plan::PlanLine;
 use crate::format::Views;
-use crate::format::records::{CellRecord, CoverRecord, FaceRecord, PlaneRecord, SideRecord, SourceRecord};
+use crate::format::records::{
+    CellRecord, CoverRecord, FaceRecord, PLAIN, PlaneRecord, SideRecord, SourceRecord,
+};
 
 /// A ray that ends is followed so many times the tolerance farther than that: what it meets before may stand behind a face of a cell that it comes to
 /// only there, if it comes to the face at no less of an angle than one by this.
@@ -325,6 +327,28 @@ impl<'a> Prisms<'a> {
                 let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
                 ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
             })
+    }
+
+    /// Whether `point` (from the lattice's origin), in the prism, is no farther than some `margin` from a plane of it behind which triangles may stand
+    /// out of that: a ray may start behind those.
+    pub(super) fn is_beside_rough(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
+        let is_rough = |source: u32, flags: u16| source != NONE && flags & PLAIN == 0;
+        let (below, above) = self.covers_of(cell);
+        let covers = |covers: &[CoverRecord]| covers.iter().any(|cover| is_rough(cover.source, cover.flags));
+        let is_near = |plane: u32| {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            (point.z - p * point.x - q * point.y - height).abs() <= margin * (1.0 + p.abs() + q.abs())
+        };
+        if (is_near(cell.floor) && covers(below)) || (is_near(cell.ceiling) && covers(above)) {
+            return true;
+        }
+        let sides = self.sides_of(cell);
+        edges(sides).zip(sides).any(|([a, b], side)| {
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            let off = ex * (a[1] - point.y) - ey * (a[0] - point.x);
+            off.abs() <= margin * (ex.abs() + ey.abs())
+                && self.faces_of(side).iter().any(|face| is_rough(face.source, face.flags))
+        })
     }
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.

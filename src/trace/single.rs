@@ -7,6 +7,7 @@ use super::cells::{Ended, among_all, nearest};
 use super::cost::{Cost, Costs};
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
+use super::onward::is_at_start;
 use super::path::Prisms;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
@@ -314,26 +315,24 @@ impl Scene {
     /// The answer, `probe` running the walks.
     #[inline]
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
-        /// How many steps aside from where a ray goes on are there.
-        const NEAR: f64 = 64.0;
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
         let surface = surface(start, &line);
-        let onward = self.in_front(surface.as_ref(), &line);
+        let (onward, is_within) = self.in_front(surface.as_ref(), &line);
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
         let is_in_doubt = match &surface {
-            Some(surface) => is_away(surface, &line) && self.is_back(&onward, ended.found),
+            Some(surface) => {
+                is_within && self.comes_through_solids(&onward, ended.found)
+                    || is_away(surface, &line) && self.is_back(&onward, ended.found)
+            }
             None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
         };
         ended.found.t = ended.found.t.max(line.tmin);
         if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
             let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
-            // So near to where a ray goes on from, in a corner, cannot be told what is within what.
-            let is_there =
-                |found: Found| found.t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin);
             match self.begin(&line, &mut |line| again(line).found) {
-                Begin::InSolid(_) if surface.is_some() && is_there(ended.found) => {}
+                Begin::InSolid(_) if surface.is_some() && is_at_start(&line, ended.found.t) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
@@ -435,10 +434,12 @@ impl Scene {
         if is_anywhere && self.may_start_in_solid(&line) {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
+        let tables = &self.tables;
         let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
-        let line = self.in_front(surface.as_ref(), &line);
-        let ended = nearest(&self.tables, &line, surface.as_ref(), start.hint(), probe);
-        if surface.as_ref().is_some_and(|surface| is_away(surface, &line) && self.is_back(&line, ended.found))
+        let (line, is_within) = self.in_front(surface.as_ref(), &line);
+        let ended = nearest(tables, &line, surface.as_ref(), start.hint(), probe);
+        let is_back = |surface: &Surface| is_away(surface, &line) && self.is_back(&line, ended.found);
+        if is_within && self.comes_through_solids(&line, ended.found) || surface.as_ref().is_some_and(is_back)
         {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }

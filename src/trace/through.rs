@@ -72,7 +72,7 @@ impl Scene {
     ) -> Hit {
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         let Some(line) = Line::new(tables, ray) else { return Hit::ESCAPED };
-        let line = self.in_front(surface(start, &line).as_ref(), &line);
+        let (line, _) = self.in_front(surface(start, &line).as_ref(), &line);
         let near = surface_of(first, line.origin, first.t).near;
         let skin = |triangle: u32| {
             let ([a, b, c], record) = (walk.corners(triangle), tables.record(triangle));

@@ -61,6 +61,13 @@ impl<'a> Walk<'a> {
         self.run_of.get(triangle as usize).map_or(NONE, |&run| self.runs[run as usize].volume)
     }
 
+    /// Whether two triangles are of one element.
+    fn are_of_one(&self, one: u32, other: u32) -> bool {
+        let element =
+            |triangle: u32| self.run_of.get(triangle as usize).map(|&run| self.runs[run as usize].element);
+        element(one) == element(other)
+    }
+
     /// Whether a triangle's normal looks the other way than `normal`, or there is no such triangle.
     fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
         let Some(&corners) = self.triangles.get(triangle as usize) else { return true };
@@ -127,6 +134,9 @@ impl Surface {
 
 /// Normals at a smaller angle than the root of twice this belong to one plane.
 const PARALLEL: f64 = 1e-10;
+
+/// Two planes of one element no farther apart than this, metres, are one: a pane whose corners are rounded is bent by as much.
+const ONE_PLANE: f64 = 1e-9;
 
 /// A ray made ready for a walk.
 pub(super) struct Query<'s> {
@@ -319,10 +329,15 @@ impl<'s> Query<'s> {
         let normal = (b - a).cross(c - a);
         let (size, outward) = (normal.length(), normal.dot(self.direction));
         let depth = (t * outward).abs();
-        if depth > surface.near * size {
+        let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
+        // Met beside an edge, it is as far off its plane as that.
+        let mut near = surface.near + ROUNDING * self.farthest(walk.scene);
+        if is_in_plane && depth <= ONE_PLANE * size && walk.are_of_one(index, surface.triangle) {
+            near = near.max(ONE_PLANE);
+        }
+        if depth > near * size {
             return t >= surface.tmin;
         }
-        let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
         let volume = walk.volume_of(index);
         // Back on the side from which its ray came, it meets what faces that, however the surface itself is wound.
         let is_against = if surface.normal.dot(self.direction) > 0.0 {

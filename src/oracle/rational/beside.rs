@@ -6,13 +6,15 @@ use super::super::Truth;
 use super::super::soup::first_t;
 use super::super::triangle::{Corners, Line};
 use super::super::vector::{add, dot, length, max_abs, scale, sub};
+use super::super::witness::touch_at;
 use super::{Exactly, along, minus, rational, vector};
 use crate::trace::Ray;
 
 impl Truth {
     /// Whether an answer is that to a parallel ray a little aside, whose origin need be no f64: how far, metres. The answer says that the
     /// ray meets the triangle `corners` of `element` at `t`, a place that the triangle comes within the tolerance of. Finds witnesses where
-    /// things are narrower than f64 is fine. What the witness starts inside of is asked in f64: within rounding of a surface that may be either. `None` is
+    /// things are narrower than f64 is fine. What the witness starts inside of is asked in f64: within rounding of a surface that may be either;
+    /// it may begin where it comes out of that. `None` is
     /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well.
@@ -35,21 +37,35 @@ impl Truth {
             let met = [0, 1, 2].map(|i| &exactly.origin[i] + &exactly.direction[i] * &place);
             let shift = minus(&point, &met);
             let aside = along(&shift, &shift).to_f64().value().sqrt();
+            let origin = [0, 1, 2].map(|i| &exactly.origin[i] + &shift[i]);
+            let start = [0, 1, 2].map(|i| line.at(first_t(ray))[i] + shift[i].to_f64().value());
+            let beside = Exactly { origin, ..Exactly::new(ray) };
+            let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
+            // Along itself it is moved out of what it starts inside of.
+            let ahead = self.way_out(&near, start)?;
+            let aside = aside.hypot(ahead);
             if aside > self.tolerance {
                 return None;
             }
-            let origin = [0, 1, 2].map(|i| &exactly.origin[i] + &shift[i]);
-            let start = [0, 1, 2].map(|i| line.at(first_t(ray))[i] + shift[i].to_f64().value());
-            if !self.solids_at(start).is_empty() {
-                return None;
-            }
-            let beside = Exactly { origin, ..Exactly::new(ray) };
-            let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
+            let near = Ray { tmin: first_t(ray) + ahead, ..near };
             let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
             let is_it = first.met.iter().any(|(met, _)| met.element == element)
                 && first.off(t).abs() <= 1e-12 * (1.0 + t);
             is_it.then_some(aside)
         })
+    }
+}
+
+impl Truth {
+    /// How far along a ray that starts at `start` no solid holds it any more, metres: 0, or just past a surface within the tolerance.
+    fn way_out(&self, ray: &Ray, start: [f64; 3]) -> Option<f64> {
+        if self.solids_at(start).is_empty() {
+            return Some(0.0);
+        }
+        let (first, direction) = (first_t(ray), Line::new(ray)?.direction);
+        let surfaces = self.hits_between(ray, first, first + self.tolerance);
+        let mut past = surfaces.into_iter().map(|hit| hit.t - first + 4.0 * touch_at(max_abs(start)));
+        past.find(|&ahead| ahead >= 0.0 && self.solids_at(add(start, scale(direction, ahead))).is_empty())
     }
 }
 
