@@ -137,7 +137,7 @@ impl Cover<'_> {
     /// All pixels of a tile that was free become one plane, of which this is the least `1 / t` in it.
     #[inline(always)]
     pub(super) fn lay(&mut self, tile: usize, plane: [f64; 3], farthest: f64) {
-        let [across, down, first] = plane.map(|c| c as f32);
+        let [across, down, first] = [plane[0] as f32, plane[1] as f32, plane[2] as f32];
         self.tiles[tile] = Tile {
             shown: [ALL as u16; ROWS],
             far: farthest as f32 * FARTHER,

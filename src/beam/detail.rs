@@ -4,12 +4,13 @@
 //! of its ends: a line of the picture, of equal size and opposite sign on the other side. A triangle is where three of them are positive, so that
 //! nothing is clipped, not even behind the eye; and `1 / t` is linear.
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use glam::{DMat3, DVec3, Vec3};
 
 use super::backs::Hidden;
+use super::joined::{Joined, MOST_CORNERS, Once, Polygon};
 use super::kernels::{Bound, Deep, Kernels};
 use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
@@ -43,11 +44,13 @@ pub(crate) struct Detail<'a> {
     eye: Vec3,
     sight: Sight,
     stack: Vec<u32>,
-    open: BinaryHeap<Open>,
+    open: Open,
     /// Which triangles were met already: several boxes may each hold a part of one.
     met: Met,
     /// Which blocks of them.
     met_blocks: Met,
+    /// Which polygons were drawn already.
+    once: &'a mut Once,
 }
 
 /// What was met.
@@ -75,41 +78,50 @@ pub(super) trait Pen {
     /// Whether nothing in a place would show.
     fn hides(&mut self, place: &Place) -> bool;
 
+    /// The polygons to draw: where it is all the same which of the triangles of one is seen.
+    fn joined(&self) -> Option<&Joined>;
+
     fn draw(&mut self, drawn: &Drawn);
 }
 
-/// A node or leaf, and where in the picture it is.
+/// Nodes and leaves that wait, each with where in the picture it is: the nearest comes first.
 struct Open {
-    link: u32,
-    /// The square of how far it is, metres, as bits.
-    away: u32,
-    place: Place,
+    /// By how far each is and its place among all: a word each, as many are moved for one that is taken.
+    order: BinaryHeap<Reverse<u64>>,
+    all: Vec<(u32, Place)>,
 }
 
-impl Ord for Open {
-    /// The nearest is the greatest.
-    fn cmp(&self, other: &Open) -> Ordering {
-        (other.away, other.link).cmp(&(self.away, self.link))
+impl Open {
+    fn new() -> Open {
+        Open { order: BinaryHeap::new(), all: Vec::new() }
+    }
+
+    fn clear(&mut self) {
+        self.order.clear();
+        self.all.clear();
+    }
+
+    /// Adds one, and the square of how far it is, metres.
+    #[inline(always)]
+    fn push(&mut self, link: u32, away: f32, place: Place) {
+        // Of numbers without a sign the bits are in order.
+        self.order.push(Reverse(u64::from(away.to_bits()) << 32 | self.all.len() as u64));
+        self.all.push((link, place));
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(u32, Place)> {
+        let Reverse(key) = self.order.pop()?;
+        Some(self.all[key as u32 as usize])
     }
 }
 
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Open) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Open {
-    fn eq(&self, other: &Open) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Open {}
-
-/// A triangle, ready to be drawn.
+/// A triangle, or a polygon of some, ready to be drawn.
 pub(crate) struct Drawn {
+    /// One of them.
     pub(super) triangle: u32,
+    /// How many.
+    pub(super) count: usize,
     /// The rows that it may reach.
     pub(super) rows: [i32; 2],
     /// Along the internal frame's axes, unit length.
@@ -121,12 +133,17 @@ impl Drawn {
     /// Of nothing yet.
     fn new() -> Drawn {
         let deep = Deep { bounds: Vec::new(), near: [0.0; 3], nearest: 0.0 };
-        Drawn { triangle: u32::MAX, rows: [0; 2], normal: DVec3::ZERO, deep }
+        Drawn { triangle: u32::MAX, count: 0, rows: [0; 2], normal: DVec3::ZERO, deep }
     }
 }
 
 impl<'a> Detail<'a> {
-    pub(crate) fn new(tables: &'a Views, screen: Screen, hidden: &'a Hidden<'a>) -> Detail<'a> {
+    pub(crate) fn new(
+        tables: &'a Views,
+        screen: Screen,
+        hidden: &'a Hidden<'a>,
+        once: &'a mut Once,
+    ) -> Detail<'a> {
         let camera = DMat3::from_cols(screen.across, screen.down, screen.first).inverse();
         let eye = (screen.eye - DVec3::from(tables.scene[0].center)).as_vec3();
         let [lo, hi] = tables.scene[0].hull.map(DVec3::from);
@@ -142,15 +159,17 @@ impl<'a> Detail<'a> {
             eye,
             sight,
             stack: Vec::new(),
-            open: BinaryHeap::new(),
+            open: Open::new(),
             met: Met(Vec::new()),
             met_blocks: Met(Vec::new()),
+            once,
         }
     }
 
     /// Gives `pen` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        self.once.begin(self.tables.triangles.len());
         self.stack.clear();
         // A scene may have no triangles at all.
         self.stack.extend((root != NONE).then_some(root));
@@ -172,8 +191,7 @@ impl<'a> Detail<'a> {
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                let triangle = (block.triangle[lane], backs.map(|backs| backs >> lane & 1 != 0));
-                self.triangle(triangle, region, exits, &mut drawn, pen);
+                self.once((block.triangle[lane], of_lane(backs, lane)), region, exits, &mut drawn, pen);
             }
         }
     }
@@ -206,9 +224,12 @@ impl<'a> Detail<'a> {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.met.begin(self.tables.triangles.len());
         self.met_blocks.begin(self.tables.blocks.len());
+        self.once.begin(self.tables.triangles.len());
         self.open.clear();
-        self.open.extend((root != NONE).then_some(Open { link: root, away: 0, place: Place::ANYWHERE }));
-        while let Some(Open { link, place, .. }) = self.open.pop() {
+        if root != NONE {
+            self.open.push(root, 0.0, Place::ANYWHERE);
+        }
+        while let Some((link, place)) = self.open.pop() {
             if !place.is_anywhere() && pen.hides(&place) {
                 continue;
             }
@@ -220,9 +241,7 @@ impl<'a> Detail<'a> {
                     let lane = seen.trailing_zeros() as usize;
                     seen &= seen - 1;
                     if node.child[lane] != u32::MAX {
-                        let (link, away, place) =
-                            (node.child[lane], boxes.away[lane].to_bits(), boxes.places.of(lane));
-                        self.open.push(Open { link, away, place });
+                        self.open.push(node.child[lane], boxes.away[lane], boxes.places.of(lane));
                     }
                 }
                 continue;
@@ -233,9 +252,8 @@ impl<'a> Detail<'a> {
                 continue;
             }
             let block = &self.tables.blocks[at];
-            let (seen, places) = kernels.look_at_triangles(&self.sight, block, region, &frustum);
             let backs = self.hidden.of_block(at);
-            let mut seen = seen & !self.sight.hidden(block, backs);
+            let (mut seen, places) = kernels.look_at_triangles(&self.sight, block, backs, region, &frustum);
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
@@ -244,34 +262,36 @@ impl<'a> Detail<'a> {
                     continue;
                 }
                 if place.is_anywhere() || !pen.hides(&place) {
-                    let backs = backs.map(|backs| backs >> lane & 1 != 0);
-                    self.triangle((triangle, backs), region, &[], &mut drawn, pen);
+                    self.once((triangle, of_lane(backs, lane)), region, &[], &mut drawn, pen);
                 }
             }
         }
     }
 
     /// The same of what lies around the prisms.
-    pub(super) fn draw_outer(&self, region: &Region, outer: &Outer, exits: &[Plane], pen: &mut impl Pen) {
+    pub(super) fn draw_outer(&mut self, region: &Region, outer: &Outer, exits: &[Plane], pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        self.once.begin(self.tables.triangles.len());
+        let (eye, slack) = (self.eye, self.sight.slack);
         let is_seen = |group: &&Group| {
             frustum.iter().all(|normal| {
                 let far = Vec3::select(normal.cmpgt(Vec3::ZERO), group.hi, group.lo);
-                normal.dot(far - self.eye) >= -self.sight.slack
+                normal.dot(far - eye) >= -slack
             })
         };
         for group in outer.0.iter().filter(is_seen) {
             for &triangle in &group.triangles {
-                self.triangle((triangle, self.hidden.of(triangle)), region, exits, &mut drawn, pen);
+                self.once((triangle, self.hidden.of(triangle)), region, exits, &mut drawn, pen);
             }
         }
     }
 
     /// Gives `pen` those of some triangles that may show in a region.
-    pub(super) fn draw_listed(&self, region: &Region, triangles: &[u32], pen: &mut impl Pen) {
+    pub(super) fn draw_listed(&mut self, region: &Region, triangles: &[u32], pen: &mut impl Pen) {
         let mut drawn = Drawn::new();
+        self.once.begin(self.tables.triangles.len());
         for &triangle in triangles {
-            self.triangle((triangle, self.hidden.of(triangle)), region, &[], &mut drawn, pen);
+            self.once((triangle, self.hidden.of(triangle)), region, &[], &mut drawn, pen);
         }
     }
 
@@ -291,29 +311,64 @@ impl<'a> Detail<'a> {
         ]
     }
 
-    /// Draws a triangle, unless nothing of it is seen in the region; it is left out where the eye is on its left, or its right, if that is said.
-    fn triangle(
-        &self,
-        (triangle, [left, right]): (u32, [bool; 2]),
+    /// Draws a triangle, or the polygon that it is of if that was not drawn yet.
+    #[inline(always)]
+    fn once(
+        &mut self,
+        of: (u32, [bool; 2]),
         region: &Region,
         exits: &[Plane],
         drawn: &mut Drawn,
         pen: &mut impl Pen,
     ) {
-        // Written out: `array::map` would be a function by itself.
-        let [first, second, third] = self.tables.triangles[triangle as usize];
-        let place = |v: u32| DVec3::from(self.tables.vertices[v as usize]) - self.screen.eye;
-        let world = [place(first), place(second), place(third)];
-        let [a, b, c] = [self.camera * world[0], self.camera * world[1], self.camera * world[2]];
+        let (tables, triangle) = (self.tables, of.0);
+        match pen.joined().map(|joined| joined.of(tables, triangle)) {
+            Some(Polygon { lead, corners }) if self.once.insert(lead) => {
+                // Taken out of what the pen has.
+                let (mut all, count) = ([0; MOST_CORNERS], corners.len().min(MOST_CORNERS));
+                all[..count].copy_from_slice(&corners[..count]);
+                self.polygon(of, &all[..count], region, exits, drawn, pen);
+            }
+            Some(_) => {}
+            None => self.polygon(of, &tables.triangles[triangle as usize], region, exits, drawn, pen),
+        }
+    }
+
+    /// Draws a polygon with these corners, one of whose triangles this is, unless nothing of it is seen in the region; it is left out where the eye is on
+    /// its left, or its right, if that is said.
+    fn polygon(
+        &self,
+        (triangle, [left, right]): (u32, [bool; 2]),
+        corners: &[u32],
+        region: &Region,
+        exits: &[Plane],
+        drawn: &mut Drawn,
+        pen: &mut impl Pen,
+    ) {
+        let (mut world, mut seen) = ([DVec3::ZERO; MOST_CORNERS], [DVec3::ZERO; MOST_CORNERS]);
+        let (mut is_before, mut is_behind) = (true, true);
+        for (i, &corner) in corners.iter().enumerate() {
+            world[i] = DVec3::from(self.tables.vertices[corner as usize]) - self.screen.eye;
+            seen[i] = self.camera * world[i];
+            is_before &= seen[i].z > FRONT;
+            is_behind &= seen[i].z <= 0.0;
+        }
+        let (world, seen) = (&world[..corners.len()], &seen[..corners.len()]);
         let (mut rows, mut nearest) = (region.rows, f64::INFINITY);
-        if a.z > FRONT && b.z > FRONT && c.z > FRONT {
-            let [inverse_a, inverse_b, inverse_c] = [1.0 / a.z, 1.0 / b.z, 1.0 / c.z];
-            nearest = inverse_a.max(inverse_b).max(inverse_c) * (1.0 + 1e-6);
-            let [ya, yb, yc] = [a.y * inverse_a, b.y * inverse_b, c.y * inverse_c];
-            rows[0] = rows[0].max(up(ya.min(yb).min(yc) - ROUNDED));
-            rows[1] = rows[1].min(up(ya.max(yb).max(yc) + ROUNDED));
-            let [xa, xb, xc] = [a.x * inverse_a, b.x * inverse_b, c.x * inverse_c];
-            let columns = [up(xa.min(xb).min(xc) - ROUNDED), up(xa.max(xb).max(xc) + ROUNDED)];
+        if is_before {
+            let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+            nearest = 0.0;
+            for v in seen {
+                let inverse = 1.0 / v.z;
+                let [x, y] = [v.x * inverse, v.y * inverse];
+                least = [least[0].min(x), least[1].min(y)];
+                most = [most[0].max(x), most[1].max(y)];
+                nearest = inverse.max(nearest);
+            }
+            nearest *= 1.0 + 1e-6;
+            let columns = [up(least[0] - ROUNDED), up(most[0] + ROUNDED)];
+            rows[0] = rows[0].max(up(least[1] - ROUNDED));
+            rows[1] = rows[1].min(up(most[1] + ROUNDED));
             if rows[0] >= rows[1]
                 || columns[0] >= columns[1]
                 || columns[0] >= region.columns[1]
@@ -321,27 +376,32 @@ impl<'a> Detail<'a> {
             {
                 return;
             }
-        } else if a.z <= 0.0 && b.z <= 0.0 && c.z <= 0.0 {
+        } else if is_behind {
             return;
         }
-        let sides = [b.cross(c), c.cross(a), a.cross(b)];
-        let size = a.dot(sides[0]);
+        // The planes through the eye and the sides; together they are the plane's own normal.
+        let (mut sides, mut all) = ([DVec3::ZERO; MOST_CORNERS], DVec3::ZERO);
+        for (i, side) in sides.iter_mut().enumerate().take(seen.len()) {
+            *side = seen[i].cross(seen[if i + 1 < seen.len() { i + 1 } else { 0 }]);
+            all += *side;
+        }
+        let size = seen[0].dot(all);
         // Seen from the eye, the corners go around to the left where the volume that they span with it is negative.
         let is_left = (size < 0.0) != self.is_mirrored;
         if size == 0.0 || if is_left { left } else { right } {
             return;
         }
         let sign = size.signum();
-        let near = (sides[0] + sides[1] + sides[2]) / size;
+        let near = all / size;
         let bounds = &mut drawn.deep.bounds;
         bounds.clear();
-        for side in sides {
+        for &side in &sides[..seen.len()] {
             bounds.push(Bound::new(side * sign, &mut rows));
         }
         for exit in exits.iter().filter(|exit| exit.is_exit()) {
             let grows = DVec3::from(exit.grows);
             let limit = OUTSIDE * exit.size;
-            if [a, b, c].iter().any(|&v| exit.away + grows.dot(v) > limit) {
+            if seen.iter().any(|&v| exit.away + grows.dot(v) > limit) {
                 bounds.push(Bound::new(near + grows / exit.away, &mut rows));
             }
         }
@@ -350,11 +410,22 @@ impl<'a> Detail<'a> {
         }
         drawn.triangle = triangle;
         drawn.rows = rows;
-        drawn.normal = (world[1] - world[0]).cross(world[2] - world[0]).normalize_or_zero();
+        drawn.count = corners.len() - 2;
+        let mut normal = DVec3::ZERO;
+        for pair in world[1..].windows(2) {
+            normal += (pair[0] - world[0]).cross(pair[1] - world[0]);
+        }
+        drawn.normal = normal.normalize_or_zero();
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
         pen.draw(drawn);
     }
+}
+
+/// Which of those of a block are told of a lane.
+#[inline(always)]
+fn of_lane([left, right]: [u32; 2], lane: usize) -> [bool; 2] {
+    [left >> lane & 1 != 0, right >> lane & 1 != 0]
 }
 
 /// Rounded up; what cannot be told is held within what numbers there are.

@@ -86,16 +86,17 @@ impl Kernels {
         simd::boxes(self.0, sight, node, region, frustum)
     }
 
-    /// Which of the triangles of a block show in a region, which has this frustum, and where.
+    /// Which of the triangles of a block show in a region, which has this frustum, and where; its backs are left out.
     #[inline]
     pub(super) fn look_at_triangles(
         self,
         sight: &Sight,
         block: &BlockRecord,
+        backs: [u32; 2],
         region: &Region,
         frustum: &[Vec3; 4],
     ) -> (u32, Places) {
-        simd::triangles(self.0, sight, block, region, frustum)
+        simd::triangles(self.0, sight, block, backs, region, frustum)
     }
 }
 
@@ -625,7 +626,7 @@ fn draw_tiles<W: Wide, T: Tint>(
     let outer = [[rows[0][0], rows[1][0]], [rows[0][ROWS - 1], rows[1][ROWS - 1]]];
     let ends = W::load(&ENDS);
     let of = [left as usize / WIDE, (right as usize).div_ceil(WIDE)];
-    let is_even = tint.is_even(outer, of.map(|block| (block * WIDE) as f32));
+    let is_even = tint.is_even(outer, [(of[0] * WIDE) as f32, (of[1] * WIDE) as f32]);
     let borders = [W::Columns::load(&lo), W::Columns::load(&hi)];
     for block in of[0]..of[1] {
         let (first, at) = (block * WIDE, tiles + block);

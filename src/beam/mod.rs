@@ -15,6 +15,7 @@ pub(crate) mod glass;
 #[cfg(all(test, feature = "compile"))]
 mod glass_tests;
 mod hull;
+pub(crate) mod joined;
 pub(crate) mod kernels;
 pub(crate) mod outer;
 pub(crate) mod parting;
@@ -41,6 +42,7 @@ use cover::Depths;
 use detail::Detail;
 use glass::Layers;
 use hull::Hull;
+use joined::{Joined, Once};
 use kernels::Kernels;
 use outer::Outer;
 use parting::Partings;
@@ -58,8 +60,11 @@ use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Want};
 
-/// Rows that are done together at most, so that what is written stays in a cache.
-const BAND: usize = 256;
+/// Rows that are painted together at most: of fewer what is the same for each band takes longer, of more what is written comes back from a cache farther away.
+const BAND: usize = 512;
+
+/// Rows of which is told together what each pixel shows: the same for any number of threads, as `render` counts what that took.
+const TOLD: usize = 256;
 
 /// An eye that is farther inside of its cell than so many times what eyes are moved by is at no border, and as far from a surface does not touch it.
 const CLEAR: f64 = 13.0;
@@ -104,6 +109,7 @@ struct Kept {
     looks: Looks,
     /// Not in use.
     works: Mutex<Vec<Work>>,
+    joined: Joined,
     outer: Outer,
     hull: Hull,
     backs: Backs,
@@ -116,6 +122,7 @@ struct Work {
     space: Space,
     depths: Depths,
     layers: Layers,
+    once: Once,
     unsure: Vec<[i32; 3]>,
     counts: BeamCounts,
 }
@@ -143,6 +150,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             kernels: Kernels(kernel),
             partings: Partings::new(scene.tables.cells.len()),
             works: Mutex::new(Vec::new()),
+            joined: Joined::new(scene.tables.runs.len()),
             outer: Outer::new(&scene),
             hull: Hull::new(),
             backs: Backs::new(&scene.tables, &looks),
@@ -298,15 +306,15 @@ impl Shot<'_> {
         #[cfg(feature = "rayon")]
         if rayon::current_num_threads() > 1 {
             use rayon::prelude::*;
-            // Numbers told of each pixel are for `render`, whose report does not depend on threads.
             let rows =
-                if self.show == Show::Light { self.rows(pixels, rayon::current_num_threads()) } else { BAND };
+                if self.show == Show::Light { self.rows(pixels, rayon::current_num_threads()) } else { TOLD };
             let bands = pixels.par_chunks_mut(rows * self.width as usize).enumerate();
             bands.for_each(|(index, band)| self.band(index * rows, band));
             return;
         }
-        let bands = pixels.chunks_mut(BAND * self.width as usize).enumerate();
-        bands.for_each(|(index, band)| self.band(index * BAND, band));
+        let rows = if self.show == Show::Light { BAND } else { TOLD };
+        let bands = pixels.chunks_mut(rows * self.width as usize).enumerate();
+        bands.for_each(|(index, band)| self.band(index * rows, band));
     }
 
     /// Rows of a band, where threads share the work: so many that each thread has some bands, which take unlike times.
@@ -342,14 +350,21 @@ impl Shot<'_> {
 impl Work {
     fn new() -> Work {
         let (unsure, counts) = Default::default();
-        Work { space: Space::new(), depths: Depths::new(), layers: Layers::new(), unsure, counts }
+        Work {
+            space: Space::new(),
+            depths: Depths::new(),
+            layers: Layers::new(),
+            once: Once::new(),
+            unsure,
+            counts,
+        }
     }
 
     /// Paints a band of rows from the `first` on.
     fn band(&mut self, shot: &Shot<'_>, first: i32, pixels: &mut [u32]) {
         let (kept, tables, width) = (shot.kept, &shot.scene.tables, shot.width as usize);
         let rows = pixels.len() / width;
-        let mut detail = Detail::new(tables, shot.internal, &shot.hidden);
+        let mut detail = Detail::new(tables, shot.internal, &shot.hidden, &mut self.once);
         let cover = self.depths.cover(width, first, pixels);
         if kept.looks.has_glass() && shot.show == Show::Light {
             self.layers.resize(&cover);
@@ -360,6 +375,7 @@ impl Work {
             show: shot.show,
             cover,
             looks: &kept.looks,
+            joined: &kept.joined,
             square: square(&shot.screen),
             sky: SKY_COLOR,
             layers: &mut self.layers,

@@ -3,6 +3,7 @@
 use super::cover::Cover;
 use super::detail::{Detail, Drawn, Pen, borders_of};
 use super::glass::{Layer, Layers, Pane};
+use super::joined::Joined;
 use super::kernels::{Flat, Kernels, Tint, is_taken};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
@@ -70,6 +71,7 @@ pub(crate) struct Canvas<'a, 'd> {
     pub(crate) show: Show,
     pub(crate) cover: Cover<'a>,
     pub(crate) looks: &'a Looks,
+    pub(crate) joined: &'a Joined,
     pub(crate) square: [f32; 5],
     pub(crate) sky: u32,
     /// What is seen through.
@@ -156,8 +158,11 @@ impl<'a, 'd> Canvas<'a, 'd> {
         region: &'c Region,
         cell: u32,
     ) -> (&'c mut Detail<'d>, Pencil<'c, 'a>) {
-        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, .. } = self;
+        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, joined, .. } =
+            self;
         let screen = detail.screen;
+        // Where triangles are told, and where what is seen through is counted by them, each is drawn.
+        let joined = (*show == Show::Light && !looks.has_glass()).then_some(*joined);
         let (tables, kernels, show, looks, square) = (*tables, *kernels, *show, *looks, *square);
         (
             detail,
@@ -167,6 +172,7 @@ impl<'a, 'd> Canvas<'a, 'd> {
                 show,
                 cover,
                 looks,
+                joined,
                 square,
                 layers,
                 screen,
@@ -266,6 +272,7 @@ struct Pencil<'c, 'a> {
     show: Show,
     cover: &'c mut Cover<'a>,
     looks: &'a Looks,
+    joined: Option<&'a Joined>,
     square: [f32; 5],
     layers: &'c mut Layers,
     screen: Screen,
@@ -280,8 +287,12 @@ impl Pen for Pencil<'_, '_> {
         self.cover.hides(place.columns, place.rows, place.near)
     }
 
+    fn joined(&self) -> Option<&Joined> {
+        self.joined
+    }
+
     fn draw(&mut self, drawn: &Drawn) {
-        *self.triangles += 1;
+        *self.triangles += drawn.count as u64;
         let (rows, deep) = (drawn.rows, &drawn.deep);
         let (kernels, borders) = (self.kernels, borders_of(self.arena, self.region, rows));
         match self.show {

@@ -223,11 +223,12 @@ impl Sight {
         Boxes { seen, places, away: away(node, self.eye) }
     }
 
-    /// Which of the triangles of a block show in a region, which has this frustum, and where.
+    /// Which of the triangles of a block show in a region, which has this frustum, and where; without those that are [hidden](Sight::hidden).
     #[inline(always)]
     pub(super) fn of_triangles(
         &self,
         block: &BlockRecord,
+        backs: [u32; 2],
         region: &Region,
         frustum: &[Vec3; 4],
     ) -> (u32, Places) {
@@ -249,7 +250,8 @@ impl Sight {
             extent.add(corner);
         }
         // Triangles that rays are not to meet are no numbers: they reach nowhere.
-        self.places(&extent, region, triangles_reach(block, self.eye, frustum, self.slack))
+        let seen = triangles_reach(block, self.eye, frustum, self.slack) & !self.hidden(block, backs);
+        self.places(&extent, region, seen)
     }
 
     /// Which of a block's triangles the eye surely sees from that side from which they are left out: of the first they are where their corners go
@@ -259,28 +261,18 @@ impl Sight {
         if left | right == 0 {
             return 0;
         }
-        let BlockRecord { corner, edge1, edge2, .. } = block;
-        let (mut is_left, mut is_right) = ([false; LANES], [false; LANES]);
-        for lane in 0..LANES {
-            let (u, v) = (
-                [edge1[0][lane], edge1[1][lane], edge1[2][lane]],
-                [edge2[0][lane], edge2[1][lane], edge2[2][lane]],
-            );
-            let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-            let size = [
-                (u[1] * v[2]).abs() + (u[2] * v[1]).abs(),
-                (u[2] * v[0]).abs() + (u[0] * v[2]).abs(),
-                (u[0] * v[1]).abs() + (u[1] * v[0]).abs(),
-            ];
-            let (mut away, mut off) = (0.0, 0.0);
-            for axis in 0..3 {
-                let from = corner[axis][lane] - self.eye[axis];
-                away += from * normal[axis];
-                off += size[axis] * (from.abs() * ROUNDED + self.rounded);
-            }
-            is_left[lane] = away < -off;
-            is_right[lane] = away > off;
+        let [u, v] = [&block.edge1, &block.edge2];
+        let (mut away, mut off) = (Eight::splat(0.0), Eight::splat(0.0));
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let [one, other] = [Eight(u[next]).mul(Eight(v[last])), Eight(u[last]).mul(Eight(v[next]))];
+            let from = Eight(block.corner[axis]).sub(Eight::splat(self.eye[axis]));
+            away = away.add(from.mul(one.sub(other)));
+            let rounded = from.abs().scale(ROUNDED).add(Eight::splat(self.rounded));
+            off = off.add(one.abs().add(other.abs()).mul(rounded));
         }
+        let is_left = each!(false, |i| away.0[i] < -off.0[i]);
+        let is_right = each!(false, |i| away.0[i] > off.0[i]);
         left & bits(is_left) | right & bits(is_right)
     }
 

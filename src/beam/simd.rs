@@ -85,10 +85,11 @@ macro_rules! entries {
         pub(super) fn triangles(
             sight: &super::sight::Sight,
             block: &crate::format::records::BlockRecord,
+            backs: [u32; 2],
             region: &super::rows::Region,
             frustum: &[glam::Vec3; 4],
         ) -> (u32, super::sight::Places) {
-            sight.of_triangles(block, region, frustum)
+            sight.of_triangles(block, backs, region, frustum)
         }
 
         #[target_feature(enable = $features)]
@@ -155,10 +156,11 @@ pub(super) fn triangles(
     kernel: Kernel,
     sight: &Sight,
     block: &BlockRecord,
+    backs: [u32; 2],
     region: &Region,
     frustum: &[Vec3; 4],
 ) -> (u32, Places) {
-    look_by_kernel!(kernel, triangles, of_triangles, (sight, block, region, frustum))
+    look_by_kernel!(kernel, triangles, of_triangles, (sight, block, backs, region, frustum))
 }
 
 #[inline]

@@ -7,6 +7,7 @@ use super::kernels::Kernels;
 use super::parting::Partings;
 use super::rows::{Arena, Line, Region};
 use super::screen::{Plane, Screen};
+use super::shade::Looks;
 use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
 use crate::format::records::Facing;
@@ -106,6 +107,44 @@ fn pixels_show_what_rays_meet() {
         assert!(sum.unsure * 1000 <= sum.pixels, "{name}: {} unsure of {}", sum.unsure, sum.pixels);
         assert!(sum.ties * 50_000 <= sum.pixels, "{name}: {} ties of {}", sum.ties, sum.pixels);
         assert!(sum.wrong.is_empty(), "{name}: {} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
+    }
+}
+
+/// Pictures are made of polygons, numbers of triangles.
+#[test]
+fn colours_are_those_of_what_pixels_show() {
+    let pixels_of = |scene: &Scene, camera: &Camera| {
+        let ([width, height], tables) = (SIZE, &scene.tables);
+        let looks = Looks::new(tables);
+        let (mut pixels, mut shown) =
+            (vec![0u32; (width * height) as usize], vec![0; (width * height) as usize]);
+        let mut beams = Beams::new(scene);
+        beams.paint(camera, width, &mut pixels);
+        beams.surfaces(camera, width, &mut shown);
+        let pinhole = camera.pinhole(width, height);
+        let is_other = |at: usize| {
+            let triangle = match Surface::of(shown[at]) {
+                Surface::Source(source) => tables.surfaces[tables.sources[source as usize].first as usize],
+                Surface::Triangle(triangle) => triangle,
+                Surface::Sky => return pixels[at] != super::SKY_COLOR,
+                Surface::Unsure => return false,
+            };
+            let [a, b, c] = scene.triangle(triangle).map(DVec3::from);
+            let ray = pinhole.ray(at as u32 % width, at as u32 / width);
+            let direction = DVec3::from(ray.direction).normalize();
+            let bright = (b - a).cross(c - a).normalize().dot(direction).abs().sqrt();
+            let steps = |(c, byte): (&f32, u8)| (f64::from(byte) - f64::from(*c) * bright).abs();
+            looks.of(tables, triangle).iter().zip(pixels[at].to_le_bytes()).map(steps).any(|off| off > 1.5)
+        };
+        ((0..pixels.len()).filter(|&at| is_other(at)).count(), pixels.len())
+    };
+    for (name, scene) in scenes().into_iter().take(7) {
+        let (mut others, mut pixels) = (0, 0);
+        for camera in views(&scene, 8).iter().chain(&outside_views(&scene)) {
+            let (other, count) = pixels_of(&scene, camera);
+            (others, pixels) = (others + other, pixels + count);
+        }
+        assert_eq!(others, 0, "{name}: of {pixels}");
     }
 }
 
@@ -266,7 +305,7 @@ fn bands_do_not_matter() {
     let mut beams = Beams::new(&scene);
     for camera in views(&scene, 4) {
         // More rows than a band has, so that the second band begins within.
-        let height = super::BAND as u32 + 77;
+        let height = super::TOLD as u32 + 77;
         let mut pixels = vec![0; (width * height) as usize];
         beams.surfaces(&camera, width, &mut pixels);
         let differences = super::check::compare(&scene, &camera, width, &pixels);

@@ -26,6 +26,7 @@ use crate::beam::check::compare;
 use crate::beam::cover::Depths;
 use crate::beam::detail::Detail;
 use crate::beam::glass::Layers;
+use crate::beam::joined::{Joined, Once};
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::Partings;
@@ -74,6 +75,7 @@ struct Kept {
     partings: Partings,
     looks: Looks,
     backs: Backs,
+    joined: Joined,
     /// Not in use.
     works: Mutex<Vec<Work>>,
     outer: Outer,
@@ -88,6 +90,7 @@ struct Work {
     arena: Arena,
     waiting: Waiting,
     depths: Depths,
+    once: Once,
     stack: Vec<Packet>,
     unsure: Vec<[i32; 3]>,
     counts: PacketCounts,
@@ -101,6 +104,7 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
             partings: Partings::new(scene.tables.cells.len()),
             backs: Backs::new(&scene.tables, &looks),
+            joined: Joined::new(scene.tables.runs.len()),
             looks,
             works: Mutex::new(Vec::new()),
             outer: Outer::new(&scene),
@@ -182,6 +186,7 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             kernels: kept.kernels,
             partings: &kept.partings,
             looks: &kept.looks,
+            joined: &kept.joined,
             hidden: kept.backs.seen_from(tables, internal.eye),
             width,
             show,
@@ -230,7 +235,8 @@ impl Work {
     fn new(cells: usize) -> Work {
         let (stack, unsure, counts) = Default::default();
         let (tree, arena, waiting) = (Tree::new(cells), Arena::new(), Waiting::new());
-        Work { tree, shot: 0, root: 0, arena, waiting, depths: Depths::new(), stack, unsure, counts }
+        let (depths, once) = (Depths::new(), Once::new());
+        Work { tree, shot: 0, root: 0, arena, waiting, depths, once, stack, unsure, counts }
     }
 
     /// Makes a band of rows from the `first` on.
@@ -249,12 +255,13 @@ impl Work {
             show: if shot.show == Show::Light { shade::Show::Light } else { shade::Show::Surfaces },
             cover,
             looks: shot.looks,
+            joined: shot.joined,
             square: shot.square,
             sky: SKY_COLOR,
             // Glass is opaque.
             layers: &mut Layers::new(),
             unsure: &mut self.unsure,
-            detail: &mut Detail::new(shot.tables, shot.internal, &shot.hidden),
+            detail: &mut Detail::new(shot.tables, shot.internal, &shot.hidden, &mut self.once),
             triangles: 0,
             spans: 0,
         };

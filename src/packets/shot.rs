@@ -1,6 +1,7 @@
 //! A picture under way: what is the same for all its packets.
 
 use crate::beam::backs::Hidden;
+use crate::beam::joined::Joined;
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::{By, Partings};
@@ -34,6 +35,7 @@ pub(super) struct Shot<'s> {
     pub(super) square: [f32; 5],
     pub(super) partings: &'s Partings,
     pub(super) looks: &'s Looks,
+    pub(super) joined: &'s Joined,
     pub(super) hidden: Hidden<'s>,
     pub(super) width: u32,
     pub(super) show: Show,
