@@ -26,9 +26,22 @@ pub(crate) fn pages_read(address: usize, work: impl FnOnce()) -> Option<Pages> {
         file.write_all(b"1")
     };
     let is_forgotten = forget().is_ok();
+    forget_translations();
     work();
     let maps = std::fs::read_to_string("/proc/self/smaps").ok().filter(|_| is_forgotten)?;
     of_map(&maps, address)
+}
+
+/// Makes the processor forget where pages are: of those that it knows it does not note again that they are read. To take away more pages than it would
+/// forget one by one makes it forget all.
+fn forget_translations() {
+    /// Linux takes away no more than 33 of them one by one.
+    #[cfg(feature = "mmap")]
+    const PAGES: usize = 256;
+    #[cfg(feature = "mmap")]
+    if let Ok(mut pages) = memmap2::MmapMut::map_anon(PAGES << 12) {
+        pages.iter_mut().step_by(1 << 12).for_each(|byte| *byte = 1);
+    }
 }
 
 /// The same of what `smaps` says.
