@@ -165,7 +165,7 @@ fn is_flat_and_convex(corners: &[DVec3]) -> bool {
     is_fan && turns && most - least <= BENT
 }
 
-/// What was drawn already.
+/// What was drawn already: forgotten at once, without a look at each.
 pub(crate) struct Once {
     when: Vec<u32>,
     now: u32,

@@ -150,10 +150,10 @@ impl Scene {
         let local = prisms.local(middle);
         let cell = prisms.place(local, prisms.rounding().min(self.tolerance()))?;
         let record = &prisms.cells[cell as usize];
-        let is_clear =
+        let is_free =
             || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point.into());
-        let is_clear = || !prisms.is_beside_rough(record, local, BLURRED) && is_clear();
-        (record.kind == CellRecord::AIR && is_clear()).then_some(cell)
+        let is_air = record.kind == CellRecord::AIR;
+        (is_air && !prisms.is_beside_rough(record, local, BLURRED) && is_free()).then_some(cell)
     }
 
     /// The smallest room that holds `point`.
