@@ -317,12 +317,35 @@ entries!(Avx2, "avx2,fma,bmi1,bmi2,popcnt");
 fn packets_here(
     ask: Ask,
     tables: &Views,
-    rays: &[&Ray],
+    rays: &[Ray],
     cells: &[u32],
+    moved: u64,
     scattered: bool,
     answers: &mut Answers,
 ) {
-    packet::packets::<Avx2>(ask, tables, rays, cells, scattered, answers)
+    packet::packets::<Avx2>(ask, tables, rays, cells, moved, scattered, answers)
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+fn bundle_here(ask: Ask, tables: &Views, rays: &[Ray], cells: &mut [u32], answers: &mut Answers) -> u64 {
+    packet::bundle::<Avx2>(ask, tables, rays, cells, answers)
+}
+
+/// What rays of one origin meet together, see [`packet::bundle`].
+///
+/// # Panics
+/// If the CPU lacks the instructions (debug builds).
+#[inline]
+pub(super) fn bundle(
+    ask: Ask,
+    tables: &Views,
+    rays: &[Ray],
+    cells: &mut [u32],
+    answers: &mut Answers,
+) -> u64 {
+    debug_assert!(is_available());
+    // SAFETY: as in `run`.
+    unsafe { bundle_here(ask, tables, rays, cells, answers) }
 }
 
 /// What rays meet that is in no doubt.
@@ -333,12 +356,13 @@ fn packets_here(
 pub(super) fn packets(
     ask: Ask,
     tables: &Views,
-    rays: &[&Ray],
+    rays: &[Ray],
     cells: &[u32],
+    moved: u64,
     scattered: bool,
     answers: &mut Answers,
 ) {
     debug_assert!(is_available());
     // SAFETY: as in `run`.
-    unsafe { packets_here(ask, tables, rays, cells, scattered, answers) }
+    unsafe { packets_here(ask, tables, rays, cells, moved, scattered, answers) }
 }

@@ -316,10 +316,7 @@ impl Scene {
             Plan::Sorted => (rays.len() / (2 * threads())).clamp(*SCATTERED.start(), *SCATTERED.end()),
             _ => IN_ORDER,
         };
-        let answer = |quick: Option<&Quick>, starts: Starts<'_>, index: usize, ray: &Ray| match quick {
-            Some(quick) => told(quick, ray),
-            None => aside(|| alone(starts.of(index), ray)),
-        };
+        let otherwise = |starts: Starts<'_>, index: usize, ray: &Ray| aside(|| alone(starts.of(index), ray));
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
             Plan::One if matches!(starts, Starts::Anywhere) => {
                 for (rays, answers) in rays.chunks(BLOCK).zip(answers.chunks_mut(BLOCK)) {
@@ -338,8 +335,9 @@ impl Scene {
             }
             Plan::Together | Plan::Apart => {
                 let cells = |first: usize, cells: &mut [u32]| starts.fill(first, cells);
-                self.blocks(ask, kernel, plan, cells, rays, |index, quick| {
-                    answers[index] = answer(quick, starts, index, &rays[index]);
+                self.blocks(ask, kernel, plan, cells, rays, |index, quick| match quick {
+                    Some(quick) => answers[index] = told(&quick, &rays[index]),
+                    None => answers[index] = otherwise(starts, index, &rays[index]),
                 });
             }
             Plan::Sorted => {
@@ -360,7 +358,10 @@ impl Scene {
                 };
                 self.blocks(ask, kernel, plan, cells, &sorted, |index, quick| {
                     let number = numbers[index].0 as usize;
-                    answers[number] = answer(quick, starts, number, &sorted[index]);
+                    match quick {
+                        Some(quick) => answers[number] = told(&quick, &sorted[index]),
+                        None => answers[number] = otherwise(starts, number, &sorted[index]),
+                    }
                 });
             }
         });
@@ -404,10 +405,9 @@ impl Scene {
         plan: Plan,
         cells: impl Fn(usize, &mut [u32]),
         rays: &[Ray],
-        mut tell: impl FnMut(usize, Option<&Quick>),
+        mut tell: impl FnMut(usize, Option<Quick>),
     ) {
-        let Some(one) = rays.first() else { return };
-        let (mut answers, mut block, mut told) = (Answers::NONE, [one; BLOCK], [NONE; BLOCK]);
+        let (mut answers, mut told) = (Answers::NONE, [NONE; BLOCK]);
         // Where the ray before started.
         let (mut known, mut last) = (NONE, ([f64::NAN; 3], NONE));
         for (group, rays) in rays.chunks(BLOCK).enumerate() {
@@ -417,10 +417,9 @@ impl Scene {
             if is_found {
                 self.free_cells(rays.iter().map(|ray| ray.origin), &mut told);
             }
-            for ((ray, to), cell) in rays.iter().zip(&mut block).zip(&mut told) {
-                *to = ray;
+            for (ray, cell) in rays.iter().zip(&mut told) {
                 if is_found {
-                    continue;
+                    break;
                 }
                 if *cell != known {
                     known = if self.tables.is_air(*cell) { *cell } else { NONE };
@@ -432,9 +431,18 @@ impl Scene {
                 *cell = if known == NONE { last.1 } else { known };
             }
             let scattered = plan != Plan::Together;
-            kernel.packets(ask, &self.tables, &block[..count], &told[..count], scattered, &mut answers);
+            kernel.packets(ask, &self.tables, rays, &mut told[..count], scattered, &mut answers);
             for ray in 0..count {
-                tell(first + ray, answers.get(ray));
+                if let Some(quick) = answers.get(ray) {
+                    tell(first + ray, Some(quick));
+                }
+            }
+            if !answers.are_all(count) {
+                for ray in 0..count {
+                    if answers.get(ray).is_none() {
+                        tell(first + ray, None);
+                    }
+                }
             }
         }
     }
@@ -669,6 +677,84 @@ mod scene_tests {
                 }
             }
         }
+    }
+
+    /// Rays from one place in the air of a cell: in a row, in squares of eight by eight, or each way within a cone, narrow or wide. Of some fans
+    /// the rays end, or the directions are not unit, or one of the rays is none.
+    fn fan(scene: &Scene, random: &mut SplitMix64) -> Option<(u32, Vec<Ray>)> {
+        let [lo, hi] = scene.hull();
+        let mut point = || DVec3::from([0, 1, 2].map(|i| random.between(lo[i], hi[i])));
+        let (from, to, aside) = (point(), point(), point());
+        let Place::Air { cell, .. } = scene.locate(from.to_array()) else { return None };
+        let mut toward = (to - from).normalize_or_zero();
+        match random.below(8) {
+            0 => toward = DVec3::Z,
+            1 => toward = DVec3::NEG_Z,
+            2 => toward.z = 0.0,
+            3 => {
+                let triangle = random.below(scene.detail_triangle_count().into()) as u32;
+                toward = (DVec3::from(scene.triangle(triangle)[0]) - from).normalize_or_zero();
+            }
+            _ => {}
+        }
+        let over = toward.cross(aside - from).normalize_or_zero();
+        let across = over.cross(toward);
+        let wide = 10f64.powf(random.between(-6.0, 0.3));
+        let count = [9, 40, 64, 200, 256][random.below(5) as usize];
+        let (kind, ends, size) =
+            (random.below(3), random.below(4) == 0, [0.0, 1.0, 1e-3][random.below(3) as usize]);
+        let mut fan = Vec::new();
+        for i in 0..count {
+            let [x, y] = match kind {
+                0 => [f64::from(i), 0.0],
+                1 => [f64::from(i / 64 * 8 + i % 8), f64::from(i % 64 / 8)],
+                _ => [random.between(-20.0, 20.0), random.between(-20.0, 20.0)],
+            };
+            let way = toward + (across * (x - 20.0) + over * y) * wide / 32.0;
+            let direction = if size == 0.0 { way.normalize() } else { way * size };
+            let mut ray = Ray::new(from.to_array(), direction.to_array());
+            if ends {
+                let met = scene.trace_brief(Start::Cell(cell), &ray).t;
+                ray.tmax = [met, met.next_down(), 2.0, met + 1.0][random.below(4) as usize].max(0.0);
+            }
+            fan.push(ray);
+        }
+        if random.below(20) == 0 {
+            fan[random.below(count as u64) as usize].direction[1] = f64::NAN;
+        }
+        Some((cell, fan))
+    }
+
+    fn check_fans(name: &str, scene: &Scene) {
+        let mut random = SplitMix64::new(11);
+        let mut met = 0;
+        for _ in 0..3000 {
+            let Some((cell, fan)) = fan(scene, &mut random) else { continue };
+            for kernel in Kernel::available() {
+                let mut briefs = vec![Brief::ESCAPED; fan.len()];
+                scene.trace_brief_many_with(kernel, Starts::Cell(cell), &fan, &mut briefs);
+                for (ray, brief) in fan.iter().zip(&briefs) {
+                    let single = scene.trace_brief_with(kernel, Start::Cell(cell), ray);
+                    assert_eq!(bits(brief), bits(&single), "{name} {}: {cell} {ray:?}", kernel.name());
+                    met += usize::from(brief.triangle != NONE);
+                }
+            }
+            let mut occluded = vec![false; fan.len()];
+            scene.occluded_many_of(Starts::Cell(cell), &fan, &mut occluded);
+            for (ray, is_met) in fan.iter().zip(occluded) {
+                assert_eq!(is_met, scene.occluded_from(Start::Cell(cell), ray), "{name}: {cell} {ray:?}");
+            }
+        }
+        assert!(met > 100_000, "{name}: {met}");
+    }
+
+    #[test]
+    fn fans_of_one_origin_answer_as_single_rays_do() {
+        let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+        check_fans("house", &scene(&house(&HouseOptions::default()), &Style::exact()));
+        check_fans("build1", &scene(&build1(&office(0)), &Style::exact()));
+        check_fans("random", &scene(&random(&office(1)), &Style::exact()));
+        check_fans("random cad", &scene(&random(&office(2)), &Style::cad(2)));
     }
 
     #[test]

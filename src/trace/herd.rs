@@ -29,6 +29,7 @@ pub(super) struct Nearest {
 }
 
 /// Rays in f32, as boxes and blocks are.
+#[derive(Clone, Copy)]
 pub(super) struct Rounded<L> {
     /// From the scene's center.
     pub(super) local: [L; 3],
@@ -63,6 +64,62 @@ impl<L: Lanes> Rounded<L> {
     }
 }
 
+/// A leaf that some rays may come to.
+#[derive(Clone, Copy)]
+pub(super) struct Near {
+    /// Its link, and the triangles, by their lanes, that they may meet.
+    pub(super) leaf: u32,
+    pub(super) triangles: u32,
+    /// The node that has it, if any, and as which child.
+    pub(super) node: u32,
+    pub(super) child: u8,
+    /// They come no sooner to it.
+    pub(super) depth: f32,
+}
+
+/// What the rays of a mask meet first of the leaves that are near, no farther than `until`; the triangle is [`NONE`] of those that meet nothing.
+#[inline(always)]
+pub(super) fn leaves<L: Lanes>(
+    walk: &Walk<'_>,
+    herd: &Herd<L>,
+    rays: u32,
+    near: &[Near],
+    until: L::Wide,
+) -> Nearest {
+    let rounded = Rounded::new(walk.scene, &herd.origin, &herd.direction);
+    let mut limit = limit::<L>(walk.scene, until);
+    let mut course: Option<Course<'_, '_, L>> = None;
+    let first = L::splat(-walk.scene.slack);
+    for leaf in near {
+        let mut there = rays;
+        if let Some(node) = walk.nodes.get(leaf.node as usize) {
+            let (from, to) = rounded.span(node, usize::from(leaf.child), first, limit);
+            there &= L::bits(from.le(to));
+        }
+        if there == 0 {
+            continue;
+        }
+        if course.is_none() {
+            course = Some(Course::new(walk, herd, rounded, rays, until));
+        }
+        if let Some(course) = &mut course {
+            course.leaf(Ask::First, Leaf::new(leaf.leaf), leaf.triangles, there);
+            limit = course.limit;
+        }
+    }
+    match course {
+        Some(course) => course.best,
+        None => Nearest { t: until.store(), triangle: [NONE; LANES] },
+    }
+}
+
+/// No farther than what has been met, as `Query::limit` has it.
+#[inline(always)]
+fn limit<L: Lanes>(scene: &SceneRecord, met: L::Wide) -> L {
+    let limit = L::narrow(met);
+    limit.add(limit.abs().mul(L::splat(1.000_001e-6))).add(L::splat(scene.slack))
+}
+
 /// Rays under way through a hierarchy.
 struct Course<'a, 'w, L: Lanes> {
     walk: &'a Walk<'w>,
@@ -92,16 +149,16 @@ pub(super) fn together<L: Lanes>(
     root: u32,
     until: L::Wide,
 ) -> Nearest {
-    let mut course = Course::new(walk, herd, rays, until);
+    let rounded = Rounded::new(walk.scene, &herd.origin, &herd.direction);
+    let mut course = Course::new(walk, herd, rounded, rays, until);
     course.run(ask, root);
     course.best
 }
 
 impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
     #[inline(always)]
-    fn new(walk: &'a Walk<'w>, herd: &'a Herd<L>, rays: u32, until: L::Wide) -> Self {
+    fn new(walk: &'a Walk<'w>, herd: &'a Herd<L>, rounded: Rounded<L>, rays: u32, until: L::Wide) -> Self {
         let scene = walk.scene;
-        let rounded = Rounded::new(scene, &herd.origin, &herd.direction);
         let size = [herd.direction[0].abs(), herd.direction[1].abs(), herd.direction[2].abs()];
         let along_x = !size[0].le(size[1]) & !size[0].le(size[2]);
         let along_y = !along_x & !size[1].le(size[2]);
@@ -136,12 +193,9 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         course
     }
 
-    /// No farther than what has been met, as `Query::limit` has it.
     #[inline(always)]
     fn tighten(&mut self) {
-        let limit = L::narrow(L::Wide::load(&self.best.t));
-        let slack = L::splat(self.walk.scene.slack);
-        self.limit = limit.add(limit.abs().mul(L::splat(1.000_001e-6))).add(slack);
+        self.limit = limit::<L>(self.walk.scene, L::Wide::load(&self.best.t));
     }
 
     #[inline(always)]
@@ -152,7 +206,7 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         let (mut current, mut rays) = (root, self.active);
         loop {
             if current & Leaf::BIT != 0 {
-                self.leaf(ask, Leaf::new(current), rays);
+                self.leaf(ask, Leaf::new(current), u32::MAX, rays);
                 if self.active == 0 {
                     return;
                 }
@@ -190,16 +244,16 @@ impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {
         }
     }
 
-    /// Looks at the triangles of a leaf: as `walk` does, in its `candidates`.
+    /// Looks at triangles of a leaf, by their lanes: as `walk` does, in its `candidates`.
     #[inline(always)]
-    fn leaf(&mut self, ask: Ask, leaf: Leaf, rays: u32) {
+    fn leaf(&mut self, ask: Ask, leaf: Leaf, triangles: u32, rays: u32) {
         let block = &self.walk.blocks[leaf.block()];
         let slack = self.walk.scene.slack;
         let ([ox, oy, oz], [dx, dy, dz]) = (self.rounded.local, self.rounded.toward);
         let zero = L::splat(0.0);
         for lane in leaf.lanes() {
             let triangle = block.triangle[lane];
-            if triangle == NONE {
+            if triangle == NONE || triangles >> lane & 1 == 0 {
                 continue;
             }
             let at = [block.corner[0][lane], block.corner[1][lane], block.corner[2][lane]];

@@ -170,11 +170,12 @@ impl Kernel {
         self,
         ask: Ask,
         tables: &Views,
-        rays: &[&Ray],
-        cells: &[u32],
+        rays: &[Ray],
+        cells: &mut [u32],
         scattered: bool,
         answers: &mut Answers,
     ) {
+        answers.clear();
         match self.0 {
             Set::Portable => {
                 let _ = scattered;
@@ -185,7 +186,16 @@ impl Kernel {
             }
             // With eight lanes AVX-512 is no faster. Who has it has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 | Set::Avx512 => avx2::packets(ask, tables, rays, cells, scattered, answers),
+            Set::Avx2 | Set::Avx512 => {
+                let mut moved = 0;
+                if !scattered {
+                    moved = avx2::bundle(ask, tables, rays, cells, answers);
+                    if answers.are_all(rays.len()) {
+                        return;
+                    }
+                }
+                avx2::packets(ask, tables, rays, cells, moved, scattered, answers);
+            }
         }
     }
 

@@ -1,8 +1,10 @@
 //! What rays meet, and those that are under way.
 
+use super::lanes;
 use crate::format::records::LANES;
 use crate::trace::NONE;
 use crate::trace::kernel::Ask;
+use crate::trace::lanes::Wide;
 use crate::trace::quick::{Quick, nothing};
 use crate::trace::ray::Ray;
 use crate::trace::walk::Found;
@@ -13,30 +15,40 @@ pub(in crate::trace) const BLOCK: usize = 64;
 /// What up to [`BLOCK`] rays meet. Ray i is bit i of masks.
 pub(in crate::trace) struct Answers {
     known: u64,
-    quick: [Quick; BLOCK],
+    /// The parts of each, side by side: eight in a row are written at once.
+    t: [f64; BLOCK],
+    triangle: [u32; BLOCK],
+    cell: [u32; BLOCK],
+    source: [u32; BLOCK],
 }
 
 impl Answers {
     pub(in crate::trace) const NONE: Answers = Answers {
         known: 0,
-        quick: [Quick { found: Found { t: 0.0, triangle: NONE }, cell: NONE, source: NONE }; BLOCK],
+        t: [0.0; BLOCK],
+        triangle: [NONE; BLOCK],
+        cell: [NONE; BLOCK],
+        source: [NONE; BLOCK],
     };
 
     /// That of a ray, if it is in no doubt.
     #[inline(always)]
-    pub(in crate::trace) fn get(&self, ray: usize) -> Option<&Quick> {
-        (self.known >> ray & 1 != 0).then(|| &self.quick[ray % BLOCK])
+    pub(in crate::trace) fn get(&self, ray: usize) -> Option<Quick> {
+        (self.known >> ray & 1 != 0).then(|| {
+            let ray = ray % BLOCK;
+            let found = Found { t: self.t[ray], triangle: self.triangle[ray] };
+            Quick { found, cell: self.cell[ray], source: self.source[ray] }
+        })
     }
 
     /// What rays meet one by one, each in its cell: for lanes that are arrays, with which eight at once are hardly faster, slower where they come
     /// apart, and a third of the time to compile the library.
     pub(in crate::trace) fn fill(
         &mut self,
-        rays: &[&Ray],
+        rays: &[Ray],
         cells: &[u32],
         mut quick: impl FnMut(&Ray, u32) -> Option<Quick>,
     ) {
-        self.clear();
         for (number, (ray, &cell)) in (0..BLOCK as u8).zip(rays.iter().zip(cells)) {
             if let Some(quick) = quick(ray, cell) {
                 self.put(number, quick);
@@ -45,14 +57,34 @@ impl Answers {
     }
 
     #[inline(always)]
-    pub(super) fn clear(&mut self) {
+    pub(in crate::trace) fn clear(&mut self) {
         self.known = 0;
+    }
+
+    /// Whether there are those of so many rays.
+    #[inline(always)]
+    pub(in crate::trace) fn are_all(&self, count: usize) -> bool {
+        self.known.trailing_ones() as usize >= count
     }
 
     #[inline(always)]
     pub(super) fn put(&mut self, ray: u8, quick: Quick) {
-        self.quick[usize::from(ray) % BLOCK] = quick;
-        self.known |= 1 << ray;
+        let Quick { found: Found { t, triangle }, cell, source } = quick;
+        let at = usize::from(ray) % BLOCK;
+        (self.t[at], self.triangle[at], self.cell[at], self.source[at]) = (t, triangle, cell, source);
+        self.known |= 1 << at;
+    }
+
+    /// Those of eight in a row, which differ in the place only.
+    #[inline(always)]
+    fn put_row(&mut self, first: u8, t: [f64; LANES], triangle: u32, cell: u32, source: u32) {
+        let first = usize::from(first) % BLOCK / LANES * LANES;
+        let row = first..first + LANES;
+        self.t[row.clone()].copy_from_slice(&t);
+        self.triangle[row.clone()].fill(triangle);
+        self.cell[row.clone()].fill(cell);
+        self.source[row].fill(source);
+        self.known |= 0xff << first;
     }
 }
 
@@ -85,6 +117,8 @@ pub(super) struct Group<'a> {
     /// They are where they started.
     pub(super) starts: bool,
     pub(super) numbers: [u8; LANES],
+    /// Their numbers are eight in a row, from a multiple of eight on.
+    pub(super) is_row: bool,
     pub(super) cells: [u32; LANES],
     pub(super) answers: &'a mut Answers,
     /// Those that go on by themselves.
@@ -104,6 +138,21 @@ impl Group<'_> {
     #[inline(always)]
     pub(super) fn are_again(&self, open: u32) -> bool {
         open != 0 && self.again.is_some() && !self.starts
+    }
+
+    /// What ends the ways of some rays of one cell (lane i is bit i): a plane, there.
+    #[inline(always)]
+    pub(super) fn put_plane<W: Wide>(&mut self, rays: u32, t: W, limit: W, triangle: u32, source: u32) {
+        let met = t.store();
+        if self.is_row && rays & t.le(limit) == (1 << LANES) - 1 {
+            self.answers.put_row(self.numbers[0], met, triangle, self.cells[0], source);
+            return;
+        }
+        let limits = limit.store();
+        for lane in lanes(rays) {
+            let found = Found { t: met[lane], triangle };
+            self.put(lane, Quick { found, cell: self.cells[lane], source }, limits[lane]);
+        }
     }
 
     /// What ends the way of a ray that ends at `limit`.

@@ -21,7 +21,7 @@ impl<L: Entries> Packet<'_, L> {
     #[inline(always)]
     pub(super) fn apart(&self, crossed: &Crossed<L>, group: &mut Group<'_>) {
         let (ask, starts) = (group.ask, group.starts);
-        let tables = self.tables;
+        let tables = self.eight.tables;
         let steps: &[Step] = &tables.steps;
         let cells = group.cells;
         // Where each leads, and the root of its detail.
@@ -37,8 +37,8 @@ impl<L: Entries> Packet<'_, L> {
             parts |= u32::from(link >= Step::ROUGH || is_split(link) && !is_edge) << lane;
             simple |= u32::from(step.is_some()) << lane;
         }
-        let mut ready = self.under_way & simple & crossed.known & !split & !parts;
-        let splits = self.under_way & simple & crossed.through_side & split;
+        let mut ready = self.eight.under_way & simple & crossed.known & !split & !parts;
+        let splits = self.eight.under_way & simple & crossed.through_side & split;
         if splits != 0 {
             ready |= self.parts(splits, crossed, &mut links);
         }
@@ -46,19 +46,19 @@ impl<L: Entries> Packet<'_, L> {
         let (mut alone, mut exits) = (0, [Exit::NONE; LANES]);
         let ends = crossed.t.add(crossed.off);
         let mut until = ends.store();
-        for lane in lanes(self.under_way & !ready) {
-            let exit = L::leave(tables, self.rays[lane], cells[lane], starts);
+        for lane in lanes(self.eight.under_way & !ready) {
+            let exit = L::leave(tables, self.eight.rays[lane], cells[lane], starts);
             if exit.link >= Step::ROUGH {
                 if let Some(again) = &mut group.again {
                     // Also by a face that is not plain.
-                    let ray = self.rays[lane];
+                    let ray = self.eight.rays[lane];
                     if L::is_walled(tables, ray, cells[lane], exit) {
                         group.answers.put(group.numbers[lane], Quick::of(true, ray, cells[lane]));
                     } else {
                         again.push(group.numbers[lane], cells[lane]);
                     }
                 } else if let Some(quick) =
-                    L::onward(ask, tables, self.rays[lane], cells[lane], exit, &mut ())
+                    L::onward(ask, tables, self.eight.rays[lane], cells[lane], exit, &mut ())
                 {
                     group.answers.put(group.numbers[lane], quick);
                 }
@@ -81,12 +81,12 @@ impl<L: Entries> Packet<'_, L> {
                 ready &= !(1 << lane);
             }
         }
-        let (sure, met) = plates.meet(&self.origin, &self.direction);
+        let (sure, met) = plates.meet(&self.eight.origin, &self.eight.direction);
         ready &= sure | !ended;
         ended &= ready;
         let mut t = met.store();
-        let nearest = L::narrow(met.min(self.limit)).store();
-        let limits = L::narrow(self.limit);
+        let nearest = L::narrow(met.min(self.eight.limit)).store();
+        let limits = L::narrow(self.eight.limit);
         let mut roots_there = 0;
         for lane in 0..LANES {
             until[lane] = if ended >> lane & 1 != 0 { nearest[lane] } else { until[lane] };
@@ -97,9 +97,9 @@ impl<L: Entries> Packet<'_, L> {
         let mut is_near = L::bits(ends.le(limits)) & !alone;
         if ask == Ask::Any {
             for lane in lanes(alone) {
-                is_near |= u32::from(exits[lane].at_most() <= self.rays[lane].tmax) << lane;
+                is_near |= u32::from(exits[lane].at_most() <= self.eight.rays[lane].tmax) << lane;
             }
-            let walled = ended & met.le(self.limit);
+            let walled = ended & met.le(self.eight.limit);
             roots_there &= !walled;
             if let Some(again) = &mut group.again {
                 let passing = ready & !ended & is_near;
@@ -116,7 +116,7 @@ impl<L: Entries> Packet<'_, L> {
         }
         if roots_there != 0 {
             let scene = &tables.scene[0];
-            let rounded = Rounded::<L>::new(scene, &self.origin, &self.direction);
+            let rounded = Rounded::<L>::new(scene, &self.eight.origin, &self.eight.direction);
             let locals = [rounded.local[0].store(), rounded.local[1].store(), rounded.local[2].store()];
             let inverses =
                 [rounded.inverse[0].store(), rounded.inverse[1].store(), rounded.inverse[2].store()];
@@ -133,7 +133,7 @@ impl<L: Entries> Packet<'_, L> {
                         None => continue,
                     }
                 };
-                let (ray, is_end) = (self.rays[lane], ended >> lane & 1 != 0);
+                let (ray, is_end) = (self.eight.rays[lane], ended >> lane & 1 != 0);
                 let end = if is_end {
                     Found { t: t[lane], triangle: plates.triangle[lane] }
                 } else {
@@ -157,11 +157,11 @@ impl<L: Entries> Packet<'_, L> {
         for lane in lanes(ended) {
             let found = Found { t: t[lane], triangle: plates.triangle[lane] };
             let quick = Quick { found, cell: cells[lane], source: plates.source[lane] };
-            group.put(lane, quick, self.rays[lane].tmax);
+            group.put(lane, quick, self.eight.rays[lane].tmax);
         }
         let onward = ready & !ended;
         for lane in lanes(onward & !is_near) {
-            let ray = self.rays[lane];
+            let ray = self.eight.rays[lane];
             let exit =
                 if alone >> lane & 1 != 0 { exits[lane] } else { Exit::through(edges[lane].to_bits()) };
             if exit.exact_of(tables, ray, cells[lane]) > ray.tmax + tables.scene[0].tolerance {
@@ -183,20 +183,22 @@ impl<L: Entries> Packet<'_, L> {
         let mut heights = [[0.0; LANES]; 2];
         let mut count = 0;
         for (lane, &cell) in cells.iter().enumerate() {
-            let step = &self.tables.steps[cell as usize];
+            let step = &self.eight.tables.steps[cell as usize];
             (rows[0][lane], rows[1][lane]) = (L::load(&step.x), L::load(&step.y));
             (heights[0][lane], heights[1][lane]) = (step.height[0], step.height[1]);
             count = step.corners.max(count);
         }
         let own = Own { x: L::transpose(rows[0]), y: L::transpose(rows[1]) };
-        self.cross::<FIRST>(count.into(), &own, L::load(&heights[0]), L::load(&heights[1]))
+        let heights = [L::load(&heights[0]), L::load(&heights[1])];
+        self.lines.cross::<FIRST>(count.into(), &own, heights, self.eight.under_way)
     }
 
     /// The links of the parts of split edges that rays leave through; those of which that is in no doubt.
     #[inline(always)]
     fn parts(&self, splits: u32, crossed: &Crossed<L>, links: &mut [u32; LANES]) -> u32 {
         let [right, left] = [crossed.right.store(), crossed.left.store()];
-        let (height, blur, least) = (crossed.height.store(), crossed.blur.store(), self.least().store());
+        let (height, blur, least) =
+            (crossed.height.store(), crossed.blur.store(), self.lines.least().store());
         let mut ready = 0;
         for lane in lanes(splits) {
             let passage = Passage {
@@ -205,7 +207,7 @@ impl<L: Entries> Packet<'_, L> {
                 height: height[lane],
                 blur: blur[lane],
             };
-            let part = passage.part::<L>(self.tables, links[lane] & !Step::SPLIT);
+            let part = passage.part::<L>(self.eight.tables, links[lane] & !Step::SPLIT);
             let link = part.unwrap_or(Step::OTHER);
             links[lane] = link;
             ready |= u32::from(link < Step::ROUGH) << lane;

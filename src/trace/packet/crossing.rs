@@ -1,9 +1,9 @@
 //! Where rays leave their prisms.
 
-use super::Packet;
+use super::lines::Lines;
 use crate::format::records::LANES;
 use crate::trace::entries::Entries;
-use crate::trace::lanes::{Lanes, Wide};
+use crate::trace::lanes::Lanes;
 use crate::trace::path::BLURRED;
 use crate::trace::quick::{DOWN, UP};
 use crate::trace::step::Step;
@@ -58,7 +58,7 @@ impl<L: Lanes> Corners<L> for Own<L> {
     }
 }
 
-impl<L: Entries> Packet<'_, L> {
+impl<L: Entries> Lines<L> {
     /// No corner may be nearer to a line than this.
     #[inline(always)]
     pub(super) fn margin(&self) -> L {
@@ -71,14 +71,14 @@ impl<L: Entries> Packet<'_, L> {
         self.margin().mul(self.flat)
     }
 
-    /// Where the rays leave prisms whose footprints have up to `count` corners.
+    /// Where the rays leave prisms whose footprints have up to `count` corners; floors and ceilings matter of those that are under way.
     #[inline(always)]
     pub(super) fn cross<const FIRST: bool>(
         &self,
         count: usize,
         corners: &impl Corners<L>,
-        floor: L,
-        ceiling: L,
+        [floor, ceiling]: [L; 2],
+        under_way: u32,
     ) -> Crossed<L> {
         let zero = L::splat(0.0);
         let [fx, fy, fz] = self.from;
@@ -134,12 +134,12 @@ impl<L: Entries> Packet<'_, L> {
         let (down, up) = (height.le(floor.sub(blur)), ceiling.add(blur).le(height));
         let (down, up) = (L::and(az.le(zero), down), L::and(zero.le(az), up));
         let vertical = L::and(L::or(down, up), ahead);
-        if L::bits(vertical) & self.under_way != 0 {
+        if L::bits(vertical) & under_way != 0 {
             let plane = L::select(down, floor, ceiling);
             let steeply = plane.sub(fz).mul(self.steep);
             let (px, py) = (steeply.mul(ax), steeply.mul(ay));
             // The same as there, of how much rounding moves the place.
-            let tilt = self.steep.abs().add(L::splat(2.0));
+            let tilt = self.tilt;
             let margin = L::splat(SURE * self.rounding).mul_add(tilt, L::splat(1.5 * BLURRED as f32));
             let mut inside = vertical;
             let (x, y) = corners.at(0);
@@ -160,24 +160,5 @@ impl<L: Entries> Packet<'_, L> {
             off = L::select(vertical, rounding.mul(tilt), off);
         }
         Crossed { known, through_side, right, left, height, blur, edge, t, off }
-    }
-
-    /// Where the rays pass an edge of a simple prism, or its floor or its ceiling: as `Way::passes` has it.
-    #[inline(always)]
-    pub(super) fn passes(&self, step: &Step, edge: usize) -> L::Wide {
-        let ([x, y, z], [ax, ay, az]) = (self.place, self.heading);
-        if edge >= LANES {
-            let height = L::Wide::splat(f64::from(step.height[edge - LANES]));
-            return height.sub(z).mul(L::Wide::splat(1.0).div(az));
-        }
-        let next = (edge + 1) % LANES;
-        let a = [L::Wide::splat(f64::from(step.x[edge])), L::Wide::splat(f64::from(step.y[edge]))];
-        let b = [L::Wide::splat(f64::from(step.x[next])), L::Wide::splat(f64::from(step.y[next]))];
-        let moment = ay.mul(x).sub(ax.mul(y));
-        let right = ax.mul(a[1]).sub(ay.mul(a[0])).add(moment);
-        let left = ax.mul(b[1]).sub(ay.mul(b[0])).add(moment);
-        let (ex, ey) = (b[0].sub(a[0]), b[1].sub(a[1]));
-        let crossing = a[0].sub(x).mul(ey).sub(a[1].sub(y).mul(ex));
-        crossing.mul(L::Wide::splat(1.0).div(left.sub(right)))
     }
 }

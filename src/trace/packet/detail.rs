@@ -1,16 +1,16 @@
 //! Detail of the cells in which rays are.
 
-use super::Packet;
+use super::eight::Eight;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
-use crate::trace::herd::{Herd, Nearest, Rounded, together};
+use crate::trace::herd::{Herd, Near, Nearest, Rounded, leaves, together};
 use crate::trace::kernel::Ask;
 use crate::trace::lanes::Wide;
 use crate::trace::path::NEAR;
 use crate::trace::walk::Walk;
 
-impl<L: Entries> Packet<'_, L> {
+impl<L: Entries> Eight<'_, L> {
     /// What some rays meet of detail before `t`.
     #[inline(always)]
     pub(super) fn detail(&self, ask: Ask, rays: u32, root: u32, t: L::Wide) -> Nearest {
@@ -27,6 +27,14 @@ impl<L: Entries> Packet<'_, L> {
             root if root & Leaf::BIT != 0 => self.under_way,
             root => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
         }
+    }
+
+    /// What some rays meet of the leaves that are near, before `t`.
+    #[inline(always)]
+    pub(super) fn detail_of(&self, near: &[Near], rays: u32, t: L::Wide) -> Nearest {
+        let herd = Herd::<L> { origin: self.origin, direction: self.direction };
+        let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
+        leaves::<L>(&Walk::new(self.tables), &herd, rays, near, until)
     }
 
     /// The rays that come to any of a node's boxes before `until`.

@@ -1,18 +1,25 @@
 //! Which part of an edge, of a floor or of a ceiling rays leave through.
 
-use super::Packet;
 use super::crossing::{Crossed, SURE};
+use super::lines::Lines;
+use crate::format::Views;
 use crate::format::records::{CellRecord, LANES};
 use crate::trace::entries::Entries;
 use crate::trace::path::BLURRED;
 use crate::trace::step::link;
 
-impl<L: Entries> Packet<'_, L> {
+impl<L: Entries> Lines<L> {
     /// The link of the part of a split edge that all rays leave through.
     #[inline(always)]
-    pub(super) fn split_together(&self, split: u32, crossed: &Crossed<L>) -> Option<u32> {
-        let (zero, all) = (L::splat(0.0), self.under_way);
-        let mut splits = self.tables.splits.get(split as usize..)?.iter();
+    pub(super) fn split_together(
+        &self,
+        tables: &Views,
+        all: u32,
+        split: u32,
+        crossed: &Crossed<L>,
+    ) -> Option<u32> {
+        let zero = L::splat(0.0);
+        let mut splits = tables.splits.get(split as usize..)?.iter();
         let (right, left, least) = (crossed.right, crossed.left, self.least());
         let across = left.sub(right);
         let mut is_clear = L::and(least.le(zero.sub(right)), least.le(left));
@@ -31,7 +38,7 @@ impl<L: Entries> Packet<'_, L> {
                 break split.first + LANES as u32;
             }
         };
-        let part = self.tables.parts.get(part as usize)?;
+        let part = tables.parts.get(part as usize)?;
         let mut face = 0;
         for top in part.top {
             let over = crossed.height.sub(L::splat(top));
@@ -47,14 +54,19 @@ impl<L: Entries> Packet<'_, L> {
 
     /// The link of the part of a floor or a ceiling that all rays pass.
     #[inline(always)]
-    pub(super) fn cover_together(&self, cell: u32, is_down: bool, t: L) -> Option<u32> {
-        let tables = self.tables;
+    pub(super) fn cover_together(
+        &self,
+        tables: &Views,
+        all: u32,
+        cell: u32,
+        is_down: bool,
+        t: L,
+    ) -> Option<u32> {
         let (x, y) = (t.mul_add(self.along[0], self.from[0]), t.mul_add(self.along[1], self.from[1]));
-        let lead = self.under_way.trailing_zeros() as usize % LANES;
+        let lead = all.trailing_zeros() as usize % LANES;
         let (lead_x, lead_y) = (f64::from(x.store()[lead]), f64::from(y.store()[lead]));
         // Farther than that from the border no other part is near.
-        let tilt = self.steep.abs().add(L::splat(2.0));
-        let margin = L::splat(1.5 * (BLURRED as f32 + SURE * self.rounding)).mul(tilt);
+        let margin = L::splat(1.5 * (BLURRED as f32 + SURE * self.rounding)).mul(self.tilt);
         let record = &tables.cells[cell as usize];
         let first = record.first_cover as usize;
         let (below, above) = (record.below as usize, record.above as usize);
@@ -73,7 +85,7 @@ impl<L: Entries> Packet<'_, L> {
             let sides = &tables.sides[first..first + beyond.sides as usize];
             let last = sides.last()?.start;
             let (mut ax, mut ay) = (L::splat(last[0]), L::splat(last[1]));
-            let mut inside = self.under_way;
+            let mut inside = all;
             for side in sides {
                 let (bx, by) = (L::splat(side.start[0]), L::splat(side.start[1]));
                 let (ex, ey) = (bx.sub(ax), by.sub(ay));
@@ -84,7 +96,7 @@ impl<L: Entries> Packet<'_, L> {
                 }
                 (ax, ay) = (bx, by);
             }
-            if inside == self.under_way {
+            if inside == all {
                 return Some(link(&tables.cells, cover.cell, cover.source, cover.flags));
             }
             if inside != 0 {

@@ -73,12 +73,11 @@ impl Quick {
     /// The same in brief.
     #[inline(always)]
     pub(super) fn brief(&self) -> Brief {
-        let Quick { found, cell, .. } = *self;
-        if found.triangle == NONE {
-            Brief::ESCAPED
-        } else {
-            Brief { t: found.t, triangle: found.triangle, cell }
-        }
+        let Quick { found: Found { t, triangle }, cell, .. } = *self;
+        // Part by part: what is made in memory of parts and then copied whole is waited for.
+        let is_met = triangle != NONE;
+        let Brief { t: far, cell: none, .. } = Brief::ESCAPED;
+        Brief { t: if is_met { t } else { far }, triangle, cell: if is_met { cell } else { none } }
     }
 }
 
