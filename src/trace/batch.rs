@@ -410,9 +410,11 @@ impl Scene {
         let (mut answers, mut told) = (Answers::NONE, [NONE; BLOCK]);
         // Where the ray before started.
         let (mut known, mut last) = (NONE, ([f64::NAN; 3], NONE));
+        let mut ahead = rays.chunks(BLOCK).skip(1);
         for (group, rays) in rays.chunks(BLOCK).enumerate() {
             let (first, count) = (group * BLOCK, rays.len());
             cells(first, &mut told[..count]);
+            kernel.fetch(ahead.next().unwrap_or_default());
             let is_found = plan != Plan::Together && told[..count].iter().all(|&cell| cell == NONE);
             if is_found {
                 self.free_cells(rays.iter().map(|ray| ray.origin), &mut told);

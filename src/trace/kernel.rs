@@ -163,6 +163,18 @@ impl Kernel {
         }
     }
 
+    /// Fetches rays that are looked at next.
+    #[inline]
+    pub(super) fn fetch(self, rays: &[Ray]) {
+        match self.0 {
+            Set::Portable => {
+                let _ = rays;
+            }
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 | Set::Avx512 => avx2::fetch(rays),
+        }
+    }
+
     /// What up to [`BLOCK`](super::packet::BLOCK) rays meet, each in the air of its cell; `scattered`, if those that follow each other start
     /// in different places.
     #[inline]
