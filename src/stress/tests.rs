@@ -373,6 +373,12 @@ fn a_ray_from_a_corner_meets_what_is_there() {
     seeded(41, "near-coplanar", Family::Surfaces, 2068);
 }
 
+/// It was answered by a ray 12 mm beside, in a building of thousands of kilometres, which comes to a level plane 0.7 m later.
+#[test]
+fn a_segment_along_an_edge_did_not_come_as_far_as_its_ray() {
+    seeded(52, "scaled-1e6", Family::AlongEdges, 3994);
+}
+
 #[test]
 fn a_needle_met_from_within_another_had_no_witness() {
     seeded(34, "needles", Family::Surfaces, 4990);

@@ -347,11 +347,15 @@ impl Scene {
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
-                    let aside = Line { origin: line.origin + way, ..line };
+                    // Without an end: almost along a plane, it comes there much sooner or later than this ray.
+                    let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     ended = again(&aside);
                     // Back from the other ray's origin to this one's.
                     ended.found.t += way.dot(line.direction);
-                    ended.found.t = self.in_its_plane(&line, ended.found).min(line.tmax).max(line.tmin);
+                    ended.found.t = self.in_its_plane(&line, ended.found).max(line.tmin);
+                    if ended.found.t > line.tmax {
+                        ended.found = Found { t: line.tmax, triangle: NONE };
+                    }
                 }
             }
         }

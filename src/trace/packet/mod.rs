@@ -34,6 +34,7 @@ use crate::format::Views;
 use crate::format::records::LANES;
 pub(super) use answers::{Answers, BLOCK};
 use answers::{Group, Pool};
+#[cfg(target_arch = "x86_64")]
 pub(super) use bundle::bundle;
 use crossing::{Crossed, One};
 use eight::Eight;
