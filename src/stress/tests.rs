@@ -379,6 +379,12 @@ fn a_segment_along_an_edge_did_not_come_as_far_as_its_ray() {
     seeded(52, "scaled-1e6", Family::AlongEdges, 3994);
 }
 
+/// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
+#[test]
+fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {
+    seeded(51, "near-coplanar", Family::Edges, 4658);
+}
+
 #[test]
 fn a_needle_met_from_within_another_had_no_witness() {
     seeded(34, "needles", Family::Surfaces, 4990);

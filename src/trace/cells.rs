@@ -17,7 +17,7 @@
 
 use super::NONE;
 use super::kernel::Probe;
-use super::meet::Surfaces;
+use super::meet::{Surfaces, runs_along};
 use super::path::{BEYOND, BLURRED, Exit, NEAR, Path, Prisms};
 use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
@@ -228,6 +228,9 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
             return Err(UNSURE);
         }
         let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
+        if runs_along(&self.path.prisms, self.surfaces.tolerance, outward, self.query.direction) {
+            return Err(UNSURE);
+        }
         let (surfaces, walk) = (&mut self.surfaces, &self.walk);
         let found = surfaces.behind(exit.source, (exit.t, outward), walk, &mut self.query, self.probe);
         found.map(Some).ok_or(UNSURE)

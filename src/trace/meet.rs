@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::kernel::Probe;
-use super::path::NEAR;
+use super::path::{NEAR, Prisms};
 use super::walk::{Found, Query, Walk};
 use crate::format::Views;
 use crate::format::records::SourceRecord;
@@ -118,6 +118,18 @@ impl<'a> Surfaces<'a> {
         }
         query.tmin = tmin;
     }
+}
+
+/// A ray that is no more than this across a face, as a sine, runs along it.
+const ALONG: f64 = 1.0 / 64.0;
+
+/// Whether a ray runs along a face so much that what is narrower than cells are rounded, which they do not tell, may stand in its way for longer than
+/// the tolerance before it comes to the face: the edge of a board on a wall. `outward` is the face's normal, of any length.
+#[inline]
+pub(super) fn runs_along(prisms: &Prisms<'_>, tolerance: f64, outward: DVec3, direction: DVec3) -> bool {
+    let sine = outward.dot(direction).abs() / outward.length();
+    let crosses = sine * tolerance >= prisms.rounding().min(ALONG * tolerance);
+    !crosses
 }
 
 /// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle.

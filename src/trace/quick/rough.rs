@@ -7,7 +7,7 @@ use crate::trace::NONE;
 use crate::trace::cost::Count;
 use crate::trace::kernel::{Ask, Probe};
 use crate::trace::lanes::Portable;
-use crate::trace::meet::Surfaces;
+use crate::trace::meet::{Surfaces, runs_along};
 use crate::trace::path::{Prisms, outward};
 use crate::trace::ray::Ray;
 use crate::trace::step::Step;
@@ -57,9 +57,13 @@ pub(super) fn rough(
             outward([step.x[corner], step.y[corner]], [step.x[next], step.y[next]])
         }
     };
+    let outward = prisms.turned_back(normal);
+    if runs_along(&prisms, tables.scene[0].tolerance, outward, way.direction) {
+        return None;
+    }
     let walk = Walk::new(tables);
     let range = (-surface.map_or(0.0, Surface::behind), f64::INFINITY);
     let mut query = Query::new(way.origin, way.direction, range, 0.0, walk.scene, NONE, surface);
-    let face = (way.exact(exit, cell), prisms.turned_back(normal));
+    let face = (way.exact(exit, cell), outward);
     Surfaces::new(tables).behind(source, face, &walk, &mut query, &mut Counted(count))
 }
