@@ -383,6 +383,7 @@ fn a_segment_along_an_edge_did_not_come_as_far_as_its_ray() {
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {
     seeded(51, "near-coplanar", Family::Edges, 4658);
+    seeded(53, "near-coplanar", Family::Edges, 63);
 }
 
 #[test]

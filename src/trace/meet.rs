@@ -121,7 +121,7 @@ impl<'a> Surfaces<'a> {
 }
 
 /// A ray that is no more than this across a face, as a sine, runs along it.
-const ALONG: f64 = 1.0 / 64.0;
+const ALONG: f64 = 1.0 / 8.0;
 
 /// Whether a ray runs along a face so much that what is narrower than cells are rounded, which they do not tell, may stand in its way for longer than
 /// the tolerance before it comes to the face: the edge of a board on a wall. `outward` is the face's normal, of any length.

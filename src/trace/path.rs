@@ -329,16 +329,29 @@ impl<'a> Prisms<'a> {
             })
     }
 
-    /// Whether `point` (from the lattice's origin), in the prism, is no farther than some `margin` from a plane of it behind which triangles may stand
+    /// Whether `point` (from the lattice's origin), in the prism, is no farther than some `margin` from a face of it behind which triangles may stand
     /// out of that: a ray may start behind those.
     pub(super) fn is_beside_rough(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
         let is_rough = |source: u32, flags: u16| source != NONE && flags & PLAIN == 0;
-        let (below, above) = self.covers_of(cell);
-        let covers = |covers: &[CoverRecord]| covers.iter().any(|cover| is_rough(cover.source, cover.flags));
-        let is_near = |plane: u32| {
+        // How far the point is over a plane, and how far aside that is at most for each metre.
+        let over = |plane: u32| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
-            (point.z - p * point.x - q * point.y - height).abs() <= margin * (1.0 + p.abs() + q.abs())
+            (point.z - p * point.x - q * point.y - height, margin * (1.0 + p.abs() + q.abs()))
         };
+        let is_near = |plane: u32| {
+            let (over, margin) = over(plane);
+            over.abs() <= margin
+        };
+        let is_in_plan = |cell: u32| {
+            edges(self.sides_of(&self.cells[cell as usize])).all(|[a, b]| {
+                let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
+            })
+        };
+        let covers = |covers: &[CoverRecord]| {
+            covers.iter().any(|cover| is_rough(cover.source, cover.flags) && is_in_plan(cover.cell))
+        };
+        let (below, above) = self.covers_of(cell);
         if (is_near(cell.floor) && covers(below)) || (is_near(cell.ceiling) && covers(above)) {
             return true;
         }
@@ -346,8 +359,18 @@ impl<'a> Prisms<'a> {
         edges(sides).zip(sides).any(|([a, b], side)| {
             let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
             let off = ex * (a[1] - point.y) - ey * (a[0] - point.x);
-            off.abs() <= margin * (ex.abs() + ey.abs())
-                && self.faces_of(side).iter().any(|face| is_rough(face.source, face.flags))
+            let along = ex * (point.x - a[0]) + ey * (point.y - a[1]);
+            let size = margin * (ex.abs() + ey.abs());
+            if off.abs() > size || along < -size || along > ex * ex + ey * ey + size {
+                return false;
+            }
+            let mut bottom = cell.floor;
+            self.faces_of(side).iter().any(|face| {
+                let top = if face.top == NONE { cell.ceiling } else { face.top };
+                let ((above, low), (under, high)) = (over(bottom), over(top));
+                bottom = top;
+                is_rough(face.source, face.flags) && above >= -low && under <= high
+            })
         })
     }
 
