@@ -384,6 +384,7 @@ fn a_segment_along_an_edge_did_not_come_as_far_as_its_ray() {
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {
     seeded(51, "near-coplanar", Family::Edges, 4658);
     seeded(53, "near-coplanar", Family::Edges, 63);
+    seeded(51, "near-vertical", Family::Edges, 2713);
 }
 
 #[test]

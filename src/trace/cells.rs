@@ -41,9 +41,11 @@ pub(super) struct Ended {
 struct Unsure {
     /// The ray starts in a prism of matter, no air near.
     in_matter: bool,
+    /// Something may stand in its way well before where it comes to a face.
+    before: bool,
 }
 
-const UNSURE: Unsure = Unsure { in_matter: false };
+const UNSURE: Unsure = Unsure { in_matter: false, before: false };
 
 /// What the ray meets first, `hint` being the cell where it may start.
 #[inline]
@@ -59,7 +61,7 @@ pub(super) fn nearest<P: Probe>(
     }
     match Crossing::new(tables, line, surface, probe).run(hint) {
         Ok(ended) => ended,
-        Err(Unsure { in_matter }) => {
+        Err(Unsure { in_matter, .. }) => {
             probe.unsure();
             Ended { in_matter, ..among_all(tables, line, surface, probe) }
         }
@@ -124,7 +126,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         let cell = self.path.prisms.place(point, margin).ok_or(UNSURE)?;
         match self.path.prisms.cells[cell as usize] {
             CellRecord { kind: CellRecord::AIR, .. } => Ok(cell),
-            CellRecord { flags, .. } => Err(Unsure { in_matter: flags & CellRecord::HIDDEN == 0 }),
+            CellRecord { flags, .. } => Err(Unsure { in_matter: flags & CellRecord::HIDDEN == 0, ..UNSURE }),
         }
     }
 
@@ -133,7 +135,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         let mut past = None;
         match (self.follow(hint, &mut past), past) {
             // It had ended; what comes after is no reason to doubt that.
-            (Err(_), Some(cell)) => {
+            (Err(Unsure { before: false, .. }), Some(cell)) => {
                 let found = Found { t: self.limit, triangle: NONE };
                 Ok(Ended { found, cell, in_matter: false })
             }
@@ -229,7 +231,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         }
         let outward = self.path.prisms.turned_back(self.path.outward(record, exit));
         if runs_along(&self.path.prisms, self.surfaces.tolerance, outward, self.query.direction) {
-            return Err(UNSURE);
+            return Err(Unsure { before: true, ..UNSURE });
         }
         let (surfaces, walk) = (&mut self.surfaces, &self.walk);
         let found = surfaces.behind(exit.source, (exit.t, outward), walk, &mut self.query, self.probe);

@@ -199,6 +199,16 @@ impl Kernel {
             // With eight lanes AVX-512 is no faster. Who has it has AVX2.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 | Set::Avx512 => {
+                let lead = cells.first().and_then(|&cell| tables.steps.get(cell as usize));
+                if !scattered && lead.is_some_and(|step| !step.is_level()) {
+                    // Nothing is told there of eight at once.
+                    answers.fill(rays, cells, |ray, cell| match ask {
+                        _ if cell as usize >= tables.steps.len() => None,
+                        Ask::First => avx2::quick(tables, ray, cell),
+                        Ask::Any => Some(Quick::of(avx2::barred(tables, ray, cell)?, ray, cell)),
+                    });
+                    return;
+                }
                 let mut moved = 0;
                 if !scattered {
                     moved = avx2::bundle(ask, tables, rays, cells, answers);

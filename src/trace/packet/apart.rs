@@ -10,7 +10,7 @@ use crate::trace::entries::Entries;
 use crate::trace::herd::Rounded;
 use crate::trace::kernel::Ask;
 use crate::trace::lanes::Wide;
-use crate::trace::path::NEAR;
+use crate::trace::path::{BEYOND, NEAR};
 use crate::trace::quick::{Exit, Passage, Quick, is_split, may_meet, nothing};
 use crate::trace::step::Step;
 use crate::trace::walk::{Found, Opened};
@@ -164,7 +164,7 @@ impl<L: Entries> Packet<'_, L> {
             let ray = self.eight.rays[lane];
             let exit =
                 if alone >> lane & 1 != 0 { exits[lane] } else { Exit::through(edges[lane].to_bits()) };
-            if exit.exact_of(tables, ray, cells[lane]) > ray.tmax + tables.scene[0].tolerance {
+            if exit.exact_of(tables, ray, cells[lane]) > ray.tmax + BEYOND * tables.scene[0].tolerance {
                 group.answers.put(group.numbers[lane], nothing(ray.tmax, cells[lane]));
                 links[lane] = NONE;
             }
