@@ -77,42 +77,6 @@ pub(super) struct Near {
     pub(super) depth: f32,
 }
 
-/// What the rays of a mask meet first of the leaves that are near, no farther than `until`; the triangle is [`NONE`] of those that meet nothing.
-#[inline(always)]
-pub(super) fn leaves<L: Lanes>(
-    walk: &Walk<'_>,
-    herd: &Herd<L>,
-    rays: u32,
-    near: &[Near],
-    until: L::Wide,
-) -> Nearest {
-    let rounded = Rounded::new(walk.scene, &herd.origin, &herd.direction);
-    let mut limit = limit::<L>(walk.scene, until);
-    let mut course: Option<Course<'_, '_, L>> = None;
-    let first = L::splat(-walk.scene.slack);
-    for leaf in near {
-        let mut there = rays;
-        if let Some(node) = walk.nodes.get(leaf.node as usize) {
-            let (from, to) = rounded.span(node, usize::from(leaf.child), first, limit);
-            there &= L::bits(from.le(to));
-        }
-        if there == 0 {
-            continue;
-        }
-        if course.is_none() {
-            course = Some(Course::new(walk, herd, rounded, rays, until));
-        }
-        if let Some(course) = &mut course {
-            course.leaf(Ask::First, Leaf::new(leaf.leaf), leaf.triangles, there);
-            limit = course.limit;
-        }
-    }
-    match course {
-        Some(course) => course.best,
-        None => Nearest { t: until.store(), triangle: [NONE; LANES] },
-    }
-}
-
 /// No farther than what has been met, as `Query::limit` has it.
 #[inline(always)]
 fn limit<L: Lanes>(scene: &SceneRecord, met: L::Wide) -> L {
@@ -153,6 +117,43 @@ pub(super) fn together<L: Lanes>(
     let mut course = Course::new(walk, herd, rounded, rays, until);
     course.run(ask, root);
     course.best
+}
+
+/// The same of the leaves that are near, the nearest of which come first.
+#[inline(always)]
+pub(super) fn leaves<L: Lanes>(
+    ask: Ask,
+    walk: &Walk<'_>,
+    herd: &Herd<L>,
+    rays: u32,
+    near: &[Near],
+    until: L::Wide,
+) -> Nearest {
+    let rounded = Rounded::new(walk.scene, &herd.origin, &herd.direction);
+    let mut limit = limit::<L>(walk.scene, until);
+    let mut course: Option<Course<'_, '_, L>> = None;
+    let first = L::splat(-walk.scene.slack);
+    for leaf in near {
+        let mut there = rays;
+        if let Some(node) = walk.nodes.get(leaf.node as usize) {
+            let (from, to) = rounded.span(node, usize::from(leaf.child), first, limit);
+            there &= L::bits(from.le(to));
+        }
+        if there == 0 {
+            continue;
+        }
+        if course.is_none() {
+            course = Some(Course::new(walk, herd, rounded, rays, until));
+        }
+        if let Some(course) = &mut course {
+            course.leaf(ask, Leaf::new(leaf.leaf), leaf.triangles, there);
+            limit = course.limit;
+        }
+    }
+    match course {
+        Some(course) => course.best,
+        None => Nearest { t: until.store(), triangle: [NONE; LANES] },
+    }
 }
 
 impl<'a, 'w, L: Lanes> Course<'a, 'w, L> {

@@ -188,37 +188,23 @@ impl Kernel {
         answers: &mut Answers,
     ) {
         answers.clear();
-        match self.0 {
-            Set::Portable => {
-                let _ = scattered;
-                answers.fill(rays, cells, |ray, cell| match ask {
-                    Ask::First => portable::quick(tables, ray, cell),
-                    Ask::Any => Some(Quick::of(portable::barred(tables, ray, cell)?, ray, cell)),
-                });
-            }
-            // With eight lanes AVX-512 is no faster. Who has it has AVX2.
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx2 | Set::Avx512 => {
-                let lead = cells.first().and_then(|&cell| tables.steps.get(cell as usize));
-                if !scattered && lead.is_some_and(|step| !step.is_level()) {
-                    // Nothing is told there of eight at once.
-                    answers.fill(rays, cells, |ray, cell| match ask {
-                        _ if cell as usize >= tables.steps.len() => None,
-                        Ask::First => avx2::quick(tables, ray, cell),
-                        Ask::Any => Some(Quick::of(avx2::barred(tables, ray, cell)?, ray, cell)),
-                    });
-                    return;
-                }
-                let mut moved = 0;
-                if !scattered {
-                    moved = avx2::bundle(ask, tables, rays, cells, answers);
-                    if answers.are_all(rays.len()) {
-                        return;
-                    }
-                }
+        let lead = cells.first().and_then(|&cell| tables.steps.get(cell as usize));
+        // Where rays start together in a cell that has slopes or many corners, nothing is told of eight at once.
+        let are_alone = !scattered && lead.is_some_and(|step| !step.is_level());
+        // With eight lanes AVX-512 is no faster than AVX2. Who has it has that.
+        #[cfg(target_arch = "x86_64")]
+        if !are_alone && self != Kernel::PORTABLE {
+            let moved = if scattered { 0 } else { avx2::bundle(ask, tables, rays, cells, answers) };
+            if !answers.are_all(rays.len()) {
                 avx2::packets(ask, tables, rays, cells, moved, scattered, answers);
             }
+            return;
         }
+        let _ = are_alone;
+        answers.fill(rays, cells, |ray, cell| match ask {
+            Ask::First => self.quick(tables, ray, cell),
+            Ask::Any => Some(Quick::of(self.barred(tables, ray, cell)?, ray, cell)),
+        });
     }
 
     /// The nearest hit, or some hit.

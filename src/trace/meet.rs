@@ -120,7 +120,7 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// A ray that is no more than this across a face, as a sine, runs along it.
+/// No ray that is more than this across a face, as a sine, counts as one that runs along it.
 const ALONG: f64 = 1.0 / 8.0;
 
 /// Whether a ray runs along a face so much that what is narrower than cells are rounded, which they do not tell, may stand in its way for longer than

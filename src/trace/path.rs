@@ -321,12 +321,16 @@ impl<'a> Prisms<'a> {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
             (point.z - p * point.x - q * point.y - height) * up <= margin * (1.0 + p.abs() + q.abs())
         };
-        over(cell.floor, -1.0)
-            && over(cell.ceiling, 1.0)
-            && edges(self.sides_of(cell)).all(|[a, b]| {
-                let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
-            })
+        over(cell.floor, -1.0) && over(cell.ceiling, 1.0) && self.nearly_holds_in_plan(cell, point, margin)
+    }
+
+    /// The same in the plan.
+    #[inline]
+    fn nearly_holds_in_plan(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
+        edges(self.sides_of(cell)).all(|[a, b]| {
+            let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
+            ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
+        })
     }
 
     /// Whether `point` (from the lattice's origin), in the prism, is no farther than some `margin` from a face of it behind which triangles may stand
@@ -342,14 +346,11 @@ impl<'a> Prisms<'a> {
             let (over, margin) = over(plane);
             over.abs() <= margin
         };
-        let is_in_plan = |cell: u32| {
-            edges(self.sides_of(&self.cells[cell as usize])).all(|[a, b]| {
-                let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-                ex * (a[1] - point.y) - ey * (a[0] - point.x) <= margin * (ex.abs() + ey.abs())
-            })
-        };
         let covers = |covers: &[CoverRecord]| {
-            covers.iter().any(|cover| is_rough(cover.source, cover.flags) && is_in_plan(cover.cell))
+            covers.iter().any(|cover| {
+                let beyond = &self.cells[cover.cell as usize];
+                is_rough(cover.source, cover.flags) && self.nearly_holds_in_plan(beyond, point, margin)
+            })
         };
         let (below, above) = self.covers_of(cell);
         if (is_near(cell.floor) && covers(below)) || (is_near(cell.ceiling) && covers(above)) {

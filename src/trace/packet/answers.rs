@@ -1,6 +1,6 @@
 //! What rays meet, and those that are under way.
 
-use super::lanes;
+use super::{ALL, lanes};
 use crate::format::records::LANES;
 use crate::trace::NONE;
 use crate::trace::kernel::Ask;
@@ -117,8 +117,6 @@ pub(super) struct Group<'a> {
     /// They are where they started.
     pub(super) starts: bool,
     pub(super) numbers: [u8; LANES],
-    /// Their numbers are eight in a row, from a multiple of eight on.
-    pub(super) is_row: bool,
     pub(super) cells: [u32; LANES],
     pub(super) answers: &'a mut Answers,
     /// Those that go on by themselves.
@@ -140,11 +138,20 @@ impl Group<'_> {
         open != 0 && self.again.is_some() && !self.starts
     }
 
+    /// Whether their numbers are eight in a row, from a multiple of eight on.
+    #[inline(always)]
+    fn is_row(&self) -> bool {
+        const EACH: u64 = 0x0101_0101_0101_0101;
+        let first = self.numbers[0];
+        let row = 0x0706_0504_0302_0100 + EACH * u64::from(first);
+        usize::from(first) % LANES == 0 && u64::from_le_bytes(self.numbers) == row
+    }
+
     /// What ends the ways of some rays of one cell (lane i is bit i): a plane, there.
     #[inline(always)]
     pub(super) fn put_plane<W: Wide>(&mut self, rays: u32, t: W, limit: W, triangle: u32, source: u32) {
         let met = t.store();
-        if self.is_row && rays & t.le(limit) == (1 << LANES) - 1 {
+        if rays & t.le(limit) == ALL && self.is_row() {
             self.answers.put_row(self.numbers[0], met, triangle, self.cells[0], source);
             return;
         }

@@ -7,6 +7,7 @@
 //! any ray. Where these part, the rays are halved; eight go on by themselves.
 
 use arrayvec::ArrayVec;
+use glam::{DVec3, Vec3};
 
 use super::answers::{Answers, Group, Pool};
 use super::eight::Eight;
@@ -40,13 +41,13 @@ const WIDER: f32 = 4e-6;
 /// What is the same of all rays of a bundle, and where each of them is in the picture plane at right angles to the axis.
 pub(super) struct Bundle<L> {
     /// The axis, and two directions at right angles to it.
-    pub(super) axes: [[f32; 3]; 3],
+    pub(super) axes: [Vec3; 3],
     /// Where the rays of each packet are along the second and the third.
     places: [[L; 2]; MOST],
     /// No ray ends before.
     limit: f32,
     /// How far apart the rays' origin and the scene's center are.
-    pub(super) local: [f32; 3],
+    pub(super) local: Vec3,
     /// That origin along the lattice's axes.
     from: [L; 3],
 }
@@ -83,7 +84,6 @@ impl Notes<'_> {
             ask: self.ask,
             starts: part.starts,
             numbers,
-            is_row: true,
             cells: [part.cell; LANES],
             answers: self.answers,
             next: &mut self.next,
@@ -161,53 +161,26 @@ pub(super) fn most<L: Lanes>(of: L) -> f32 {
     range(of.store())[1]
 }
 
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn unit(a: [f32; 3]) -> [f32; 3] {
-    let per = 1.0 / dot(a, a).sqrt();
-    [a[0] * per, a[1] * per, a[2] * per]
-}
-
-#[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 impl<L: Entries> Bundle<L> {
     /// Of packets whose rays all are under way, from one origin, in directions that are not too far apart.
     #[inline(always)]
     fn new(packets: &[Eight<'_, L>]) -> Option<Self> {
         let (lead, last) = (packets.first()?, packets.last()?);
-        let mut axes = [[0.0; 3]; 3];
-        let mut local = [0.0; 3];
-        let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            from[axis] = lead.direction[axis].store()[0] as f32;
-            to[axis] = last.direction[axis].store()[LANES - 1] as f32;
-            axes[0][axis] = from[axis] + to[axis];
-            local[axis] = (lead.origin[axis].store()[0] - lead.tables.scene[0].center[axis]) as f32;
-        }
-        axes[0] = unit(axes[0]);
+        let at = |of: &[L::Wide; 3], lane: usize| DVec3::from(of.map(|axis| axis.store()[lane]));
+        let (from, to) = (at(&lead.direction, 0).as_vec3(), at(&last.direction, LANES - 1).as_vec3());
+        let origin = at(&lead.origin, 0);
+        let local = (origin - DVec3::from(lead.tables.scene[0].center)).as_vec3();
+        let ahead = (from + to).normalize();
         // Along the way from the first to the last, so that a row of pixels is no wider than it is.
-        let along = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-        let aside = cross(axes[0], along);
-        axes[2] = if dot(aside, aside) > 1e-8 {
-            unit(aside)
-        } else {
-            let [x, y, z] = axes[0];
-            unit(if x.abs() + y.abs() > z.abs() { [y, -x, 0.0] } else { [0.0, z, -y] })
-        };
-        axes[1] = cross(axes[2], axes[0]);
+        let over = ahead.cross(to - from);
+        let over =
+            if over.length_squared() > 1e-8 { over } else { ahead.any_orthogonal_vector() }.normalize();
+        let axes = [ahead, over.cross(ahead), over];
         let [[x, y, z], _] = lead.turned();
         let from = [L::narrow(x), L::narrow(y), L::narrow(z)];
         let mut bundle =
             Bundle { axes, places: [[L::splat(0.0); 2]; MOST], limit: f32::INFINITY, local, from };
-        let [x, y, z] = [lead.origin[0].store()[0], lead.origin[1].store()[0], lead.origin[2].store()[0]];
-        let origin = [L::Wide::splat(x), L::Wide::splat(y), L::Wide::splat(z)];
+        let origin = [L::Wide::splat(origin.x), L::Wide::splat(origin.y), L::Wide::splat(origin.z)];
         let mut limit = lead.limit;
         for (packet, place) in packets.iter().zip(&mut bundle.places) {
             let mut apart = packet.under_way ^ ALL;
@@ -271,9 +244,7 @@ impl<L: Entries> Bundle<L> {
         corners.tilt = L::splat(most(corners.tilt));
         Some(Pyramid { tables, corners, reach, of: self })
     }
-}
 
-impl<L: Entries> Bundle<L> {
     /// Takes packets through prisms as long as all rays of a part leave them one way. Where that ends they are halved, and at last left to others.
     #[inline(always)]
     fn run(&self, tables: &Views, packets: &mut [Eight<'_, L>], cell: u32, notes: &mut Notes<'_>) {

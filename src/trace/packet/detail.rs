@@ -11,30 +11,32 @@ use crate::trace::path::NEAR;
 use crate::trace::walk::Walk;
 
 impl<L: Entries> Eight<'_, L> {
-    /// What some rays meet of detail before `t`.
+    /// What some rays meet of detail before `t`: of all under a root, or of the leaves that are told to be near.
     #[inline(always)]
-    pub(super) fn detail(&self, ask: Ask, rays: u32, root: u32, t: L::Wide) -> Nearest {
+    pub(super) fn detail(
+        &self,
+        ask: Ask,
+        rays: u32,
+        (root, near): (u32, Option<&[Near]>),
+        t: L::Wide,
+    ) -> Nearest {
         let herd = Herd::<L> { origin: self.origin, direction: self.direction };
-        let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
-        together::<L>(ask, &Walk::new(self.tables), &herd, rays, root, until)
-    }
-
-    /// The rays that come to a box of a root before `until`.
-    #[inline(always)]
-    pub(super) fn touched_one(&self, root: u32, until: L) -> u32 {
-        match root {
-            NONE => 0,
-            root if root & Leaf::BIT != 0 => self.under_way,
-            root => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
+        let (walk, until) = (Walk::new(self.tables), t.add(L::Wide::splat(NEAR)).min(self.limit));
+        match near {
+            Some(near) => leaves::<L>(ask, &walk, &herd, rays, near, until),
+            None => together::<L>(ask, &walk, &herd, rays, root, until),
         }
     }
 
-    /// What some rays meet of the leaves that are near, before `t`.
+    /// The rays that may come to that before `until`.
     #[inline(always)]
-    pub(super) fn detail_of(&self, near: &[Near], rays: u32, t: L::Wide) -> Nearest {
-        let herd = Herd::<L> { origin: self.origin, direction: self.direction };
-        let until = t.add(L::Wide::splat(NEAR)).min(self.limit);
-        leaves::<L>(&Walk::new(self.tables), &herd, rays, near, until)
+    pub(super) fn touched(&self, (root, near): (u32, Option<&[Near]>), until: L) -> u32 {
+        match (root, near) {
+            (NONE, _) | (_, Some([])) => 0,
+            (_, Some(_)) => self.under_way,
+            (root, None) if root & Leaf::BIT != 0 => self.under_way,
+            (root, None) => self.under_way & self.touched_boxes(&self.tables.nodes[root as usize], until),
+        }
     }
 
     /// The rays that come to any of a node's boxes before `until`.

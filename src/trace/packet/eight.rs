@@ -80,13 +80,12 @@ impl<'a, L: Entries> Eight<'a, L> {
         exit: L,
         group: &mut Group<'_>,
     ) {
-        let (touched, found) = match near {
-            Some(near) => (self.under_way, self.detail_of(near, self.under_way, self.passes(step, edge))),
-            None => match self.touched_one(step.root, exit) {
-                0 => return,
-                touched => (touched, self.detail(group.ask, touched, step.root, self.passes(step, edge))),
-            },
-        };
+        let detail = (step.root, near);
+        let touched = self.touched(detail, exit);
+        if touched == 0 {
+            return;
+        }
+        let found = self.detail(group.ask, touched, detail, self.passes(step, edge));
         for lane in lanes(touched) {
             if found.triangle[lane] != NONE {
                 let met = Found { t: found.t[lane], triangle: found.triangle[lane] };
@@ -122,20 +121,13 @@ impl<'a, L: Entries> Eight<'a, L> {
         if group.are_again(open) {
             return false;
         }
-        let before = t.min(self.limit);
+        let detail = (step.root, near);
+        let touched = if open == 0 { 0 } else { open & self.touched(detail, L::narrow(t.min(self.limit))) };
         group.put_plane(all, t, self.limit, plate.triangle, source);
-        let found = match near {
-            Some([]) => None,
-            _ if open == 0 => None,
-            Some(near) => Some(self.detail_of(near, open, t)),
-            None => match open & self.touched_one(step.root, L::narrow(before)) {
-                0 => None,
-                touched => Some(self.detail(group.ask, touched, step.root, t)),
-            },
-        };
-        if let Some(found) = found {
+        if touched != 0 {
             let met = t.store();
-            for lane in lanes(open) {
+            let found = self.detail(group.ask, touched, detail, t);
+            for lane in lanes(touched) {
                 let found = Found { t: found.t[lane], triangle: found.triangle[lane] };
                 if found.triangle != NONE && (found.t, found.triangle) < (met[lane], plate.triangle) {
                     let quick = Quick { found, cell: group.cells[lane], source: NONE };

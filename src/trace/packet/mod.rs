@@ -59,8 +59,7 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
 }
 
 /// What those of up to [`BLOCK`] rays meet that have no answer yet, if it is in no doubt. Each starts in the air of its cell, or has come there if
-/// it has `moved` (ray i is bit i); where any will do, walls are looked for first, as
-/// `barred` has it, through a few dozen cells at most. Those that follow each other are looked at together, unless they are `scattered`.
+/// it has `moved` (ray i is bit i); where any will do, walls are looked for first, as `barred` has it, through a few dozen cells at most. Those that follow each other are looked at together, unless they are `scattered`.
 #[inline(always)]
 pub(super) fn packets<L: Entries>(
     ask: Ask,
@@ -155,9 +154,7 @@ impl<'a> Block<'a> {
                 let mut packet = Packet::<L>::new(self.tables, own);
                 packet.eight.under_way &= ALL >> (LANES - count);
                 let again = again.as_deref_mut();
-                let is_row = false;
-                let group =
-                    Group { ask: self.ask, starts, numbers, is_row, cells, answers, next: &mut next, again };
+                let group = Group { ask: self.ask, starts, numbers, cells, answers, next: &mut next, again };
                 packet.run(group, self.scattered, &mut left);
             }
             (pool, next, starts) = (next, Pool::NONE, false);

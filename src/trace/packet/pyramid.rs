@@ -1,6 +1,7 @@
 //! The pyramid that holds a bundle's rays: where they leave prisms, and what of detail they may come to.
 
 use arrayvec::ArrayVec;
+use glam::Vec3;
 
 use super::ALL;
 use super::bundle::{Bundle, Part, most};
@@ -105,17 +106,10 @@ impl<L: Entries> Pyramid<'_, L> {
 
     /// The normals of the pyramid's sides, which look inward.
     #[inline(always)]
-    fn sides(&self) -> [[f32; 3]; 4] {
+    fn sides(&self) -> [Vec3; 4] {
         let [ahead, aside, over] = self.of.axes;
         let [[a, b], [c, d]] = self.reach;
-        let mut sides = [[0.0; 3]; 4];
-        for axis in 0..3 {
-            sides[0][axis] = aside[axis] - a * ahead[axis];
-            sides[1][axis] = b * ahead[axis] - aside[axis];
-            sides[2][axis] = over[axis] - c * ahead[axis];
-            sides[3][axis] = d * ahead[axis] - over[axis];
-        }
-        sides
+        [aside - a * ahead, b * ahead - aside, over - c * ahead, d * ahead - over]
     }
 
     /// The boxes of a node (lane i is bit i) that any ray may come to before `until`; how far along the axis they begin.
@@ -134,14 +128,14 @@ impl<L: Entries> Pyramid<'_, L> {
         }
         for side in self.sides() {
             let mut farthest = L::splat(2.0 * slack);
-            for ([lo, hi], by) in rows.into_iter().zip(side) {
+            for ([lo, hi], by) in rows.into_iter().zip(side.to_array()) {
                 let by = L::splat(by);
                 farthest = farthest.add(lo.mul(by).max(hi.mul(by)));
             }
             inside &= L::bits(L::splat(0.0).le(farthest));
         }
         let (mut farthest, mut nearest) = (L::splat(slack), L::splat(-slack));
-        for ([lo, hi], by) in rows.into_iter().zip(self.of.axes[0]) {
+        for ([lo, hi], by) in rows.into_iter().zip(self.of.axes[0].to_array()) {
             let by = L::splat(by);
             let (lo, hi) = (lo.mul(by), hi.mul(by));
             farthest = farthest.add(lo.max(hi));
@@ -175,7 +169,7 @@ impl<L: Entries> Pyramid<'_, L> {
         }
         for side in self.sides() {
             let mut at = [L::splat(0.0); 3];
-            for (row, by) in rows.into_iter().zip(side) {
+            for (row, by) in rows.into_iter().zip(side.to_array()) {
                 let by = L::splat(by);
                 for (at, of) in at.iter_mut().zip(row) {
                     *at = of.mul_add(by, *at);
