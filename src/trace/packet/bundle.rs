@@ -166,9 +166,14 @@ impl<L: Entries> Bundle<L> {
     #[inline(always)]
     fn new(packets: &[Eight<'_, L>]) -> Option<Self> {
         let (lead, last) = (packets.first()?, packets.last()?);
-        let at = |of: &[L::Wide; 3], lane: usize| DVec3::from(of.map(|axis| axis.store()[lane]));
-        let (from, to) = (at(&lead.direction, 0).as_vec3(), at(&last.direction, LANES - 1).as_vec3());
-        let origin = at(&lead.origin, 0);
+        // No `map`: it has lanes in its closure.
+        let (mut origin, mut from, mut to) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for axis in 0..3 {
+            origin[axis] = lead.origin[axis].store()[0];
+            from[axis] = lead.direction[axis].store()[0];
+            to[axis] = last.direction[axis].store()[LANES - 1];
+        }
+        let (from, to) = (from.as_vec3(), to.as_vec3());
         let local = (origin - DVec3::from(lead.tables.scene[0].center)).as_vec3();
         let ahead = (from + to).normalize();
         // Along the way from the first to the last, so that a row of pixels is no wider than it is.
