@@ -402,3 +402,10 @@ fn a_ray_from_a_bent_floor_passed_it_and_its_segment_did_not() {
 fn a_ray_a_little_above_hundreds_of_edges_was_no_witness() {
     pictured(31, "round-1000", Family::Grazing, 0);
 }
+
+#[test]
+fn rays_of_no_length_and_from_corners_are_right_by_witnesses_that_rounding_moves() {
+    seeded(55, "near-coplanar", Family::Limits, 1986);
+    seeded(56, "near-coplanar", Family::Grazing, 2012);
+    seeded(61, "near-coplanar", Family::Edges, 940);
+}

@@ -3,6 +3,7 @@
 use enfilade_importers::ElementId;
 
 use super::super::Truth;
+use super::super::shell::Body;
 use super::super::soup::first_t;
 use super::super::triangle::{Corners, Line};
 use super::super::vector::{add, dot, length, max_abs, scale, sub};
@@ -47,19 +48,26 @@ impl Truth {
             if aside > self.tolerance {
                 return None;
             }
-            let near = Ray { tmin: first_t(ray) + ahead, ..near };
+            // What it meets is at `t` but for roundings, and so it may begin and end there.
+            let rounding = 1e-12 * (1.0 + t);
+            let near = Ray { tmin: first_t(ray) + ahead - rounding, tmax: ray.tmax + rounding, ..near };
             let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
-            let is_it = first.met.iter().any(|(met, _)| met.element == element)
-                && first.off(t).abs() <= 1e-12 * (1.0 + t);
+            let is_it =
+                first.met.iter().any(|(met, _)| met.element == element) && first.off(t).abs() <= rounding;
             is_it.then_some(aside)
         })
     }
 }
 
 impl Truth {
-    /// How far along a ray that starts at `start` no solid holds it any more, metres: 0, or just past a surface within the tolerance.
+    /// How far along a ray that starts at `start` no solid holds it any more, metres: 0, or just past a surface within the tolerance. By
+    /// rounding it may be on a surface, which is not inside.
     fn way_out(&self, ray: &Ray, start: [f64; 3]) -> Option<f64> {
-        if self.solids_at(start).is_empty() {
+        let rounding = 8.0 * f64::EPSILON * max_abs(start);
+        let is_deep = |(_, body): &&(ElementId, Body)| {
+            body.contains(start) && body.surface_near(start, rounding).is_empty()
+        };
+        if self.solids.iter().find(is_deep).is_none() {
             return Some(0.0);
         }
         let (first, direction) = (first_t(ray), Line::new(ray)?.direction);
