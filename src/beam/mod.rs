@@ -211,8 +211,10 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     pub(crate) fn tell(&mut self, camera: &Camera, width: u32, height: u32) -> (Told, BeamCounts) {
         let count = width as usize * height as usize;
         let mut told = Told { surfaces: vec![0; count], cells: vec![0; count] };
-        let counts = self.show(camera, width, &mut told.surfaces, Show::Surfaces);
+        let mut counts = self.show(camera, width, &mut told.surfaces, Show::Surfaces);
         self.show(camera, width, &mut told.cells, Show::Cells);
+        let starts = self.scene.starts_at(camera.eye(), self.last);
+        counts.unsure += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
         (told, counts)
     }
 

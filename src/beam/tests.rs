@@ -425,6 +425,35 @@ fn hits_are_those_of_rays() {
     }
 }
 
+/// Cells have upright walls: where a building leans a little, their edges are a pixel's fraction off.
+#[test]
+fn hits_on_the_edges_of_leaning_walls_are_those_of_rays() {
+    let ([width, height], mut off) = (SIZE, 0);
+    for [x, y] in [[4e-4, -3e-4], [-7e-4, 9e-4]] {
+        let mut model = house(&HouseOptions::default()).export(&Style::default()).to_model().unwrap();
+        for p in model.elements.iter_mut().flat_map(|element| &mut element.mesh.positions) {
+            *p = [p[0] + x * p[2], p[1] + y * p[2], p[2] + y * p[0]];
+        }
+        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+        let (mut beams, mut packets) = (Beams::new(&scene), crate::packets::Packets::new(&scene));
+        for camera in views(&scene, 12) {
+            let rays: Vec<Ray> = super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
+            let mut by_rays = vec![Hit::ESCAPED; rays.len()];
+            scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::default());
+            let is_off = |(one, other): &(&Hit, &Hit)| {
+                one.t != other.t && (one.t - other.t).abs() > 1e-9 * (1.0 + other.t)
+            };
+            let mut hits = by_rays.clone();
+            beams.hits(&camera, width, Want::default(), &mut hits);
+            assert_eq!(hits.iter().zip(&by_rays).filter(is_off).count(), 0, "{camera:?}");
+            packets.hits(&camera, width, Want::default(), &mut hits);
+            assert_eq!(hits.iter().zip(&by_rays).filter(is_off).count(), 0, "{camera:?}");
+            off += beams.differences(&camera, width, height).wrong.len();
+        }
+    }
+    assert!(off > 0, "the house does not lean enough for this test");
+}
+
 /// From around the building, and from the air around it between its parts.
 pub(crate) fn outside_views(scene: &Scene) -> Vec<Camera> {
     let [lo, hi] = scene.hull().map(DVec3::from);

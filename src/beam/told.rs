@@ -1,9 +1,14 @@
 //! What each pixel shows as a hit, as its ray would tell it.
 
-use super::Surface;
-use crate::render::Camera;
+use enfilade_importers::Role;
+
+use super::{Surface, shade};
+use crate::render::{Camera, Pinhole};
 use crate::scene::Scene;
 use crate::trace::{Hit, NONE, Ray, Starts, Want};
+
+/// What is met at distances that differ by no more than this, for each metre and one, is met in one place.
+const SAME: f64 = 1e-9;
 
 /// What the beams tell of each pixel of a picture: what it shows, and the cell in which its ray ends.
 pub(crate) struct Told {
@@ -51,6 +56,63 @@ impl Told {
             hits[at] = hit;
         }
     }
+}
+
+impl Told {
+    /// Leaves to rays what the cells of a picture so many pixels wide tell wrongly, and counts it: cells are rounded, walls that lean by less than a millimetre to
+    /// upright ones, so that along their edges pixels may show what is in front of them, or behind. Where walls, floors and ceilings border on something else rays are asked, and on from each pixel
+    /// that shows something else than its ray meets.
+    pub(crate) fn settle(&mut self, scene: &Scene, pinhole: &Pinhole, width: u32, starts: Starts<'_>) -> u64 {
+        let around = |index: usize| {
+            let (width, count) = (width as usize, self.surfaces.len());
+            let left = (!index.is_multiple_of(width)).then(|| index - 1);
+            let right = (!(index + 1).is_multiple_of(width)).then(|| index + 1);
+            let below = Some(index + width).filter(|&below| below < count);
+            [left, right, index.checked_sub(width), below].into_iter().flatten()
+        };
+        let is_face = |surface: u32| match Surface::of(surface) {
+            Surface::Source(_) => true,
+            Surface::Triangle(triangle) => {
+                scene.tables.elements[scene.triangle_element(triangle) as usize].role == Role::Solid as u32
+            }
+            Surface::Sky | Surface::Unsure => false,
+        };
+        let is_border = |&index: &usize| {
+            let own = self.surfaces[index];
+            around(index).any(|beside| {
+                let other = self.surfaces[beside];
+                other != own && (is_face(own) || is_face(other))
+            })
+        };
+        let mut asked: Vec<usize> = (0..self.surfaces.len()).filter(is_border).collect();
+        let mut is_asked = vec![false; self.surfaces.len()];
+        let (mut rays, mut hits, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+        while !asked.is_empty() {
+            asked.iter().for_each(|&index| is_asked[index] = true);
+            rays.clear();
+            rays.extend(asked.iter().map(|&index| pinhole.ray(index as u32 % width, index as u32 / width)));
+            hits.resize(rays.len(), Hit::ESCAPED);
+            scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
+            let mut next = Vec::new();
+            for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
+                let shown = self.hit(scene, index, ray, Want::LEAST);
+                if shown.is_some_and(|shown| !is_same(&shown, hit)) {
+                    wrong.push(index);
+                    next.extend(around(index).filter(|&beside| !is_asked[beside]));
+                }
+            }
+            next.sort_unstable();
+            next.dedup();
+            asked = next;
+        }
+        wrong.iter().for_each(|&index| self.surfaces[index] = shade::UNSURE);
+        wrong.len() as u64
+    }
+}
+
+/// Whether two hits are in one place.
+fn is_same(one: &Hit, other: &Hit) -> bool {
+    one.t == other.t || (one.t - other.t).abs() <= SAME * (1.0 + other.t)
 }
 
 /// All pixels of the picture that `camera` takes, so many pixels wide and high, each with its ray.

@@ -141,16 +141,16 @@ impl<S: Deref<Target = Scene>> Packets<S> {
     /// [`Beams::hits`](crate::beam::Beams::hits) does.
     pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> PacketCounts {
         let mut surfaces = vec![UNWRITTEN; hits.len()];
-        let counts = self.surfaces(camera, width, &mut surfaces);
-        // In which cells rays end is looked for where they do.
-        let told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
+        let mut counts = self.surfaces(camera, width, &mut surfaces);
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
-        told.hits(
-            &self.scene,
-            told::pixels(camera, width, height),
-            (want, self.scene.starts_at(camera.eye(), NONE)),
-            hits,
-        );
+        if height == 0 {
+            return counts;
+        }
+        // In which cells rays end is looked for where they do.
+        let mut told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
+        let starts = self.scene.starts_at(camera.eye(), NONE);
+        counts.rays += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
+        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
         counts
     }
 
