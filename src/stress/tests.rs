@@ -409,3 +409,18 @@ fn rays_of_no_length_and_from_corners_are_right_by_witnesses_that_rounding_moves
     seeded(56, "near-coplanar", Family::Grazing, 2012);
     seeded(61, "near-coplanar", Family::Edges, 940);
 }
+
+#[test]
+fn a_ray_that_starts_far_from_its_origin_in_a_corner_went_through_a_slab() {
+    seeded(64, "scaled-1e6", Family::Limits, 4534);
+}
+
+#[test]
+fn a_ray_on_from_a_corner_ran_on_inside_the_wall_that_has_it() {
+    seeded(66, "tilted-1", Family::Vertices, 4712);
+}
+
+#[test]
+fn a_ray_that_went_on_beside_a_corner_met_the_plane_again_that_it_left() {
+    seeded(68, "tilted-1", Family::Grazing, 2632);
+}

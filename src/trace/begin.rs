@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::NONE;
 use super::single::Line;
-use super::walk::Found;
+use super::walk::{Found, Surface};
 use crate::scene::Scene;
 
 /// Where a ray begins.
@@ -49,6 +49,13 @@ pub(super) fn aside(point: DVec3) -> f64 {
     1e-9 * (1.0 + point.abs().max_element())
 }
 
+/// The same of where a ray starts, which may be far from its origin: what moves that is to be more than what it is rounded by.
+fn aside_of_start(line: &Line, start: DVec3) -> f64 {
+    /// Of the largest coordinate: each part of a way is some roundings.
+    const FINE: f64 = 64.0 * f64::EPSILON;
+    aside(start) + FINE * line.origin.abs().max_element()
+}
+
 /// More surfaces than this within the tolerance of an origin are not told apart.
 const MOST_SURFACES: usize = 64;
 
@@ -58,16 +65,21 @@ impl Scene {
     pub(super) fn may_start_in_solid(&self, line: &Line) -> bool {
         let start = line.origin + line.direction * line.tmin;
         // Twice as far as `begin` looks aside.
-        self.may_be_in_solid(start.to_array(), 2.0 * aside(start))
+        self.may_be_in_solid(start.to_array(), 2.0 * aside_of_start(line, start))
     }
 
-    /// Where the ray begins; `nearest` tells the first of all triangles that a ray meets.
-    pub(super) fn begin(&self, line: &Line, nearest: &mut impl FnMut(&Line) -> Found) -> Begin {
+    /// Where the ray begins, be it on a surface, which it goes away from; `nearest` tells the first of all triangles that a ray meets.
+    pub(super) fn begin(
+        &self,
+        line: &Line,
+        surface: Option<&Surface>,
+        nearest: &mut impl FnMut(&Line) -> Found,
+    ) -> Begin {
         let start = line.origin + line.direction * line.tmin;
-        let step = aside(start);
+        let step = aside_of_start(line, start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
         match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
-            (None, None, None) if self.is_beside_solids(start) => Begin::At(line.tmin),
+            (None, None, None) if self.is_beside(start, step) => Begin::At(line.tmin),
             (Some(element), Some(_), Some(_)) => {
                 let found = nearest(line);
                 let within = found.triangle != NONE && found.t <= line.tmin + self.tolerance();
@@ -76,8 +88,9 @@ impl Scene {
             }
             (here, one, other) => {
                 let ways = ASIDE.iter().flat_map(|&way| [way, -way]).filter(|&way| at(way).is_none());
-                // Into the air that the direction enters; the first of equals.
-                let ahead = |way: DVec3| way.dot(line.direction);
+                // Into the air that the direction enters, and not behind the surface if there is any before it; the first of equals.
+                let is_before = |way: DVec3| surface.is_none_or(|surface| way.dot(surface.normal) > 0.0);
+                let ahead = |way: DVec3| (is_before(way), way.dot(line.direction));
                 match ways.reduce(|best, way| if ahead(way) > ahead(best) { way } else { best }) {
                     Some(way) => Begin::Beside(way * step),
                     None => here.or(one).or(other).map_or(Begin::At(line.tmin), Begin::InSolid),
@@ -118,7 +131,11 @@ impl Scene {
     #[cold]
     #[inline(never)]
     pub(super) fn is_beside_solids(&self, point: DVec3) -> bool {
-        let step = aside(point);
+        self.is_beside(point, aside(point))
+    }
+
+    /// The same with those so far beside.
+    fn is_beside(&self, point: DVec3, step: f64) -> bool {
         let ways = std::iter::once(DVec3::ZERO).chain(ASIDE.iter().flat_map(|&way| [way, -way]));
         ways.map(|way| point + way * step).all(|point| self.solid_at(point.to_array()).is_none())
     }

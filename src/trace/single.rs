@@ -331,7 +331,8 @@ impl Scene {
         if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
             let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
-            match self.begin(&line, &mut |line| again(line).found) {
+            let away = surface.as_ref().filter(|surface| is_away(surface, &line));
+            match self.begin(&line, away, &mut |line| again(line).found) {
                 Begin::InSolid(_) if surface.is_some() && is_at_start(&line, ended.found.t) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
@@ -350,6 +351,10 @@ impl Scene {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     ended = again(&aside);
+                    if surface.is_some() && self.is_back(&aside, ended.found) {
+                        // Into what meets the surface there: where the ray starts that is not met again, and from aside it is.
+                        ended = among_all(tables, &aside, None, probe);
+                    }
                     // Back from the other ray's origin to this one's.
                     ended.found.t += way.dot(line.direction);
                     ended.found.t = self.in_its_plane(&line, ended.found).max(line.tmin);
