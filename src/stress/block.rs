@@ -9,6 +9,7 @@ use super::judge::{Judge, Worth};
 use super::rays::{Family, Source};
 use super::report::{Counts, StressCase};
 use crate::oracle::Judgement;
+use crate::scene::Scene;
 use crate::trace::{Answer, Brief, Hit, Kernel, Ray, Start, Starts, Want};
 use crate::verify::part_of;
 
@@ -56,6 +57,23 @@ fn is_same(a: &Hit, b: &Hit) -> bool {
     numbers(a) == numbers(b)
 }
 
+/// Rays that go on from what others met.
+#[derive(Default)]
+struct Onward {
+    from: Vec<Hit>,
+    rays: Vec<Ray>,
+    /// The indices of the rays that met it.
+    numbers: Vec<u64>,
+}
+
+impl Onward {
+    /// What they meet, alone.
+    fn hits(&self, scene: &Scene) -> Vec<Hit> {
+        let rays = self.from.iter().zip(&self.rays);
+        rays.map(|(from, ray)| scene.trace_from(Start::Hit(from), ray, Want::LEAST)).collect()
+    }
+}
+
 impl Stage<'_> {
     /// Sends rays of a family. What panics is found by sending them one by one.
     pub(super) fn block(&self, family: Family, indices: std::ops::Range<u64>) -> Found {
@@ -94,12 +112,9 @@ impl Stage<'_> {
         let mut found = Found::default();
         let hits: Vec<Hit> =
             rays.iter().map(|ray| self.judge.scene.trace_from(Start::Anywhere, ray, Want::LEAST)).collect();
-        for (number, unlike) in self.unlike(&rays, &hits, first) {
-            found.counts.unlike += 1;
-            let what = format!("{unlike} says something else than a single ray");
-            found.cases.push(self.case(family, first + number as u64, rays.get(number), &what));
-        }
-        let mut onward: Vec<(usize, Ray)> = Vec::new();
+        let numbers: Vec<u64> = (first..).take(rays.len()).collect();
+        self.by_all_ways(family, Starts::Anywhere, &rays, (&hits, &numbers), &mut found);
+        let mut onward = [Onward::default(), Onward::default()];
         for (number, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
             let what = self.judge(ray, &hit.answer(), &mut found.counts);
             if let Some(what) = what {
@@ -107,27 +122,59 @@ impl Stage<'_> {
             } else if let Answer::Hit(hit) = hit.answer()
                 && (first + number as u64).is_multiple_of(4)
             {
-                onward.extend(mirrored(ray, &hit).map(|ray| (number, ray)));
+                for (way, onward) in [mirrored, passing].into_iter().zip(&mut onward) {
+                    if let Some(ray) = way(ray, &hit) {
+                        onward.from.push(hits[number]);
+                        onward.rays.push(ray);
+                        onward.numbers.push(first + number as u64);
+                    }
+                }
             }
         }
-        for (number, ray) in onward {
-            let from = &hits[number];
-            let hit = self.judge.scene.trace_from(Start::Hit(from), &ray, Want::LEAST);
+        let [back, through] = onward;
+        let hits = back.hits(self.judge.scene);
+        self.by_all_ways(family, Starts::Hits(&back.from), &back.rays, (&hits, &back.numbers), &mut found);
+        for (((from, ray), hit), &number) in back.from.iter().zip(&back.rays).zip(&hits).zip(&back.numbers) {
             found.counts.onward += 1;
-            if self.is_double(from, &hit) {
+            if self.is_double(from, hit) {
                 found.counts.doubles += 1;
                 let what = format!("met again: {:?} from {:?}", hit.answer(), from.answer());
-                found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
+                found.cases.push(self.case(family, number, Some(ray), &what));
             }
-            if let Worth::Wrong(Judgement { verdict, truth, .. }) = self.judge.worth(&ray, &hit.answer()) {
+            if let Worth::Wrong(Judgement { verdict, truth, .. }) = self.judge.worth(ray, &hit.answer()) {
                 found.counts.wrong_onward += 1;
                 let (hit, from) = (hit.answer(), from.answer());
                 let what = format!("on from {from:?}, {verdict:?}: {hit:?} instead of {truth:?}");
-                found.cases.push(self.case(family, first + number as u64, Some(&ray), &what));
+                found.cases.push(self.case(family, number, Some(ray), &what));
             }
         }
+        // What is behind a surface hangs on what the ray is in by then: that all ways say the same.
+        let hits = through.hits(self.judge.scene);
+        let (starts, numbers) = (Starts::Hits(&through.from), &through.numbers);
+        self.by_all_ways(family, starts, &through.rays, (&hits, numbers), &mut found);
         found.cases.truncate(self.most);
         found
+    }
+
+    /// Notes rays that another way answers otherwise than with these hits; `numbers` are their indices.
+    fn by_all_ways(
+        &self,
+        family: Family,
+        starts: Starts<'_>,
+        rays: &[Ray],
+        (hits, numbers): (&[Hit], &[u64]),
+        found: &mut Found,
+    ) {
+        for (place, unlike) in self.unlike(starts, rays, hits, numbers) {
+            found.counts.unlike += 1;
+            let from = if let Start::Hit(from) = starts.of(place) {
+                format!(" on from {:?}", from.answer())
+            } else {
+                String::new()
+            };
+            let what = format!("{unlike} says something else than a single ray{from}");
+            found.cases.push(self.case(family, numbers[place], rays.get(place), &what));
+        }
     }
 
     /// Judges an answer by itself; what is bad about it.
@@ -155,25 +202,31 @@ impl Stage<'_> {
         hit.element == from.element && hit.t < self.judge.truth.tolerance() && is_same
     }
 
-    /// Rays that another way answers otherwise, and which way; `first` is the index of the first of them.
-    fn unlike(&self, rays: &[Ray], hits: &[Hit], first: u64) -> Vec<(usize, &'static str)> {
+    /// Rays that another way answers otherwise, and which way; `numbers` are their indices.
+    fn unlike(
+        &self,
+        starts: Starts<'_>,
+        rays: &[Ray],
+        hits: &[Hit],
+        numbers: &[u64],
+    ) -> Vec<(usize, &'static str)> {
         let mut unlike = Vec::new();
         let scene = self.judge.scene;
         for kernel in Kernel::available() {
             for (number, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                if !is_same(&scene.trace_with(kernel, Start::Anywhere, ray, Want::LEAST), hit) {
+                if !is_same(&scene.trace_with(kernel, starts.of(number), ray, Want::LEAST), hit) {
                     unlike.push((number, kernel.name()));
                 }
             }
         }
         let mut many = vec![Hit::ESCAPED; rays.len()];
-        scene.trace_many(rays, &mut many, Want::LEAST);
+        scene.trace_many_of(starts, rays, &mut many, Want::LEAST);
         let differ = many.iter().zip(hits).enumerate().filter(|(_, (a, b))| !is_same(a, b));
         unlike.extend(differ.map(|(number, _)| (number, "a batch")));
         let mut briefs = vec![Brief { t: 0.0, triangle: 0, cell: 0 }; rays.len()];
-        scene.trace_brief_many(Starts::Anywhere, rays, &mut briefs);
+        scene.trace_brief_many(starts, rays, &mut briefs);
         for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {
-            let alone = scene.trace_brief(Start::Anywhere, &rays[number]);
+            let alone = scene.trace_brief(starts.of(number), &rays[number]);
             let is_same = [brief.t, alone.t].iter().all(|t| is_same_t(*t, hit.t))
                 && [brief.triangle, alone.triangle].iter().all(|triangle| *triangle == hit.triangle);
             if !is_same {
@@ -186,20 +239,25 @@ impl Stage<'_> {
             .iter()
             .zip(hits)
             .enumerate()
-            .filter(|(_, (ray, _))| {
-                // Of a ray with limits of its own it is known by its answer no more.
-                ray.tmin == 0.0 && ray.tmax == f64::INFINITY
+            .filter(|(_, (ray, hit))| {
+                // Of a ray with limits of its own it is known by its answer no more; from a hit, a solid that it starts in is not in its way.
+                let is_known =
+                    matches!(starts, Starts::Anywhere) || !matches!(hit.answer(), Answer::InSolid(_));
+                is_known && ray.tmin == 0.0 && ray.tmax == f64::INFINITY
             })
             .filter_map(|(number, (ray, hit))| {
-                let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, first + number as u64)?;
+                let (tmax, is_occluded) = part_of(&hit.answer(), tolerance, numbers[number])?;
                 Some((number, Ray { tmax, ..*ray }, is_occluded))
             })
             .collect();
-        let segments: Vec<Ray> = parts.iter().map(|(_, ray, _)| *ray).collect();
+        let mut segments = rays.to_vec();
+        parts.iter().for_each(|(number, ray, _)| segments[*number] = *ray);
         let mut occluded = vec![false; segments.len()];
-        scene.occluded_many(&segments, &mut occluded);
-        for ((number, ray, is_occluded), many) in parts.iter().zip(&occluded) {
-            if many != is_occluded || scene.occluded(ray) != *is_occluded {
+        scene.occluded_many_of(starts, &segments, &mut occluded);
+        for (number, ray, is_occluded) in &parts {
+            if occluded[*number] != *is_occluded
+                || scene.occluded_from(starts.of(*number), ray) != *is_occluded
+            {
                 unlike.push((*number, "occlusion"));
             }
         }
@@ -213,4 +271,11 @@ fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
     let along = (along / along.abs().max_element()).try_normalize()?;
     let onward = along - normal * (2.0 * along.dot(normal));
     (normal != DVec3::ZERO && onward.is_finite()).then(|| Ray::new(hit.point, onward.to_array()))
+}
+
+/// The ray on from a hit, through what it met.
+fn passing(ray: &Ray, hit: &Hit) -> Option<Ray> {
+    let along = DVec3::from(ray.direction);
+    let along = (along / along.abs().max_element()).try_normalize()?;
+    along.is_finite().then(|| Ray::new(hit.point, along.to_array()))
 }

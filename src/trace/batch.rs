@@ -39,7 +39,7 @@ pub enum Starts<'a> {
 }
 
 impl<'a> Starts<'a> {
-    fn of(self, index: usize) -> Start<'a> {
+    pub(crate) fn of(self, index: usize) -> Start<'a> {
         match self {
             Starts::Hits(hits) => Start::Hit(&hits[index]),
             Starts::Anywhere => Start::Anywhere,

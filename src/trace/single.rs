@@ -318,6 +318,10 @@ impl Scene {
         let tables = &self.tables;
         let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
         let surface = surface(start, &line);
+        if surface.is_some() {
+            // Without an end: that it has run into a solid is noticed where it comes out of that.
+            line.tmax = f64::INFINITY;
+        }
         let (onward, is_within) = self.in_front(surface.as_ref(), &line);
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
         let is_in_doubt = match &surface {
@@ -358,9 +362,6 @@ impl Scene {
                     // Back from the other ray's origin to this one's.
                     ended.found.t += way.dot(line.direction);
                     ended.found.t = self.in_its_plane(&line, ended.found).max(line.tmin);
-                    if ended.found.t > line.tmax {
-                        ended.found = Found { t: line.tmax, triangle: NONE };
-                    }
                 }
             }
         }
@@ -370,7 +371,8 @@ impl Scene {
         {
             return Hit::in_solid(element, tables.elements[element as usize].semantic);
         }
-        if ended.found.triangle == NONE { Hit::ESCAPED } else { self.describe(&line, ended, want) }
+        let is_met = ended.found.triangle != NONE && ended.found.t <= ray.tmax;
+        if is_met { self.describe(&line, ended, want) } else { Hit::ESCAPED }
     }
 
     /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.
@@ -422,7 +424,9 @@ impl Scene {
         if let Start::Hit(hit) = start {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
             let is_barred = kernel.barred_from(tables, ray, hit.cell, &surface);
-            return is_barred.unwrap_or_else(|| self.is_occluded(start, ray));
+            // What is met first tells whether rounding has put it behind what it goes on from; any that is met does not.
+            return is_barred
+                .unwrap_or_else(|| self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped);
         }
         if let Start::Cell(cell) = start
             && tables.is_air(cell)
@@ -434,7 +438,7 @@ impl Scene {
         is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }
 
-    /// The same where there is doubt.
+    /// The same where there is doubt, of a ray that starts on no surface that is known.
     #[cold]
     #[inline(never)]
     fn is_occluded(&self, start: Start<'_>, ray: &Ray) -> bool {
@@ -443,15 +447,8 @@ impl Scene {
         if is_anywhere && self.may_start_in_solid(&line) {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
-        let tables = &self.tables;
-        let (surface, probe) = (surface(start, &line), &mut Plain { kernel: self.kernel, ask: Ask::Any });
-        let (line, is_within) = self.in_front(surface.as_ref(), &line);
-        let ended = nearest(tables, &line, surface.as_ref(), start.hint(), probe);
-        let is_back = |surface: &Surface| is_away(surface, &line) && self.is_back(&line, ended.found);
-        if is_within && self.comes_through_solids(&line, ended.found) || surface.as_ref().is_some_and(is_back)
-        {
-            return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
-        }
+        let probe = &mut Plain { kernel: self.kernel, ask: Ask::Any };
+        let ended = nearest(&self.tables, &line, None, start.hint(), probe);
         ended.found.triangle != NONE
             || (is_anywhere
                 && ended.in_matter
