@@ -424,3 +424,8 @@ fn a_ray_on_from_a_corner_ran_on_inside_the_wall_that_has_it() {
 fn a_ray_that_went_on_beside_a_corner_met_the_plane_again_that_it_left() {
     seeded(68, "tilted-1", Family::Grazing, 2632);
 }
+
+#[test]
+fn a_ray_past_the_edges_of_stairs_is_right_by_a_witness_that_is_hardly_beside_it() {
+    seeded(70, "tilted-0", Family::AlongEdges, 3027);
+}

@@ -19,7 +19,7 @@ impl Truth {
     /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well.
-        const INWARD: [f64; 4] = [1e-12, 1e-9, 1e-6, 1e-4];
+        const INWARD: [f64; 5] = [1e-15, 1e-12, 1e-9, 1e-6, 1e-4];
         let line = Line::new(ray)?;
         if !(t >= first_t(ray) && t <= ray.tmax && t.is_finite()) {
             return None;
