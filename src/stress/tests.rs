@@ -429,3 +429,8 @@ fn a_ray_that_went_on_beside_a_corner_met_the_plane_again_that_it_left() {
 fn a_ray_past_the_edges_of_stairs_is_right_by_a_witness_that_is_hardly_beside_it() {
     seeded(70, "tilted-0", Family::AlongEdges, 3027);
 }
+
+#[test]
+fn a_ray_on_from_a_concave_edge_went_through_the_slab_and_met_what_that_lies_on() {
+    seeded(72, "tilted-1", Family::Edges, 1380);
+}

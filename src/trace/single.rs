@@ -326,8 +326,9 @@ impl Scene {
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
         let is_in_doubt = match &surface {
             Some(surface) => {
-                is_within && self.comes_through_solids(&onward, ended.found)
-                    || is_away(surface, &line) && self.is_back(&onward, ended.found)
+                let is_away = is_away(surface, &line);
+                is_away && self.is_back(&onward, ended.found)
+                    || (is_within || is_away) && self.comes_through_solids(&onward, ended.found)
             }
             None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
         };
@@ -355,7 +356,10 @@ impl Scene {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     ended = again(&aside);
-                    if surface.is_some() && self.is_back(&aside, ended.found) {
+                    if away.is_some()
+                        && (self.is_back(&aside, ended.found)
+                            || self.comes_through_solids(&aside, ended.found))
+                    {
                         // Into what meets the surface there: where the ray starts that is not met again, and from aside it is.
                         ended = among_all(tables, &aside, None, probe);
                     }
