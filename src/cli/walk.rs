@@ -121,6 +121,10 @@ struct Report {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if let Some(path) = arguments.output.as_ref().filter(|path| !is_png(path)) {
+        return Err(Failure::usage(format!("{}: not .png", path.display())));
+    }
     arguments.resources.in_pool(|| {
         let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
         arguments.doors.apply(&mut scene, &arguments.resources)?;

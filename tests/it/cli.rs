@@ -183,6 +183,7 @@ fn walks_are_timed_and_written() {
     assert!(report["cells"].as_f64().unwrap() >= 1.0);
     assert_eq!(report["left_to_rays"], 0.0);
 
+    walk(&["-o", "frame", "--most", "2"]).expect(2);
     walk(&["-o", "frame.png", "--most", "2"]).expect(0);
     let [first, second] = ["frame.0001.png", "frame.0002.png"].map(|name| folder.read(name));
     assert!(first.starts_with(b"\x89PNG") && first != second);
