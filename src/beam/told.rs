@@ -10,6 +10,9 @@ use crate::trace::{Hit, NONE, Ray, Starts, Want};
 /// What is met at distances that differ by no more than this, for each metre and one, is met in one place.
 const SAME: f64 = 1e-9;
 
+/// Rays that are asked together: more would take memory, and no less time.
+const TOGETHER: usize = 1 << 16;
+
 /// What the beams tell of each pixel of a picture: what it shows, and the cell in which its ray ends.
 pub(crate) struct Told {
     pub(crate) surfaces: Vec<u32>,
@@ -89,16 +92,20 @@ impl Told {
         let (mut rays, mut hits, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         while !asked.is_empty() {
             asked.iter().for_each(|&index| is_asked[index] = true);
-            rays.clear();
-            rays.extend(asked.iter().map(|&index| pinhole.ray(index as u32 % width, index as u32 / width)));
-            hits.resize(rays.len(), Hit::ESCAPED);
-            scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
             let mut next = Vec::new();
-            for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
-                let shown = self.hit(scene, index, ray, Want::LEAST);
-                if shown.is_some_and(|shown| !is_same(&shown, hit)) {
-                    wrong.push(index);
-                    next.extend(around(index).filter(|&beside| !is_asked[beside]));
+            for asked in asked.chunks(TOGETHER) {
+                rays.clear();
+                rays.extend(asked.iter().map(|&index| {
+                    pinhole.ray((index % width as usize) as u32, (index / width as usize) as u32)
+                }));
+                hits.resize(rays.len(), Hit::ESCAPED);
+                scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
+                for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
+                    let shown = self.hit(scene, index, ray, Want::LEAST);
+                    if shown.is_some_and(|shown| !is_same(&shown, hit)) {
+                        wrong.push(index);
+                        next.extend(around(index).filter(|&beside| !is_asked[beside]));
+                    }
                 }
             }
             next.sort_unstable();

@@ -96,8 +96,8 @@ pub fn render(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result
     }
     let count = u64::from(width) * u64::from(height);
     // The ramp of depth and cost sorts a number per pixel.
-    // Beams tell two numbers per pixel, packets one.
-    let item = size_of::<Pixel>() + size_of::<f32>() + 3 * size_of::<u32>();
+    // Beams tell two numbers per pixel, packets one; those at borders are listed, and marked.
+    let item = size_of::<Pixel>() + size_of::<f32>() + 3 * size_of::<u32>() + 2 * size_of::<usize>() + 1;
     Budget::new(&options.limits).take_items(count, item, "the picture")?;
     let blank = Pixel::new(&crate::trace::Hit::ESCAPED);
     let mut pixels = vec![blank; count as usize];
