@@ -9,7 +9,6 @@ use super::judge::{Judge, Worth};
 use super::rays::{Family, Source};
 use super::report::{Counts, StressCase};
 use crate::oracle::Judgement;
-use crate::scene::Scene;
 use crate::trace::{Answer, Brief, Hit, Kernel, Ray, Start, Starts, Want};
 use crate::verify::part_of;
 
@@ -64,14 +63,6 @@ struct Onward {
     rays: Vec<Ray>,
     /// The indices of the rays that met it.
     numbers: Vec<u64>,
-}
-
-impl Onward {
-    /// What they meet, alone.
-    fn hits(&self, scene: &Scene) -> Vec<Hit> {
-        let rays = self.from.iter().zip(&self.rays);
-        rays.map(|(from, ray)| scene.trace_from(Start::Hit(from), ray, Want::LEAST)).collect()
-    }
 }
 
 impl Stage<'_> {
@@ -132,8 +123,7 @@ impl Stage<'_> {
             }
         }
         let [back, through] = onward;
-        let hits = back.hits(self.judge.scene);
-        self.by_all_ways(family, Starts::Hits(&back.from), &back.rays, (&hits, &back.numbers), &mut found);
+        let hits = self.onward_by_all_ways(family, &back, &mut found);
         for (((from, ray), hit), &number) in back.from.iter().zip(&back.rays).zip(&hits).zip(&back.numbers) {
             found.counts.onward += 1;
             if self.is_double(from, hit) {
@@ -149,9 +139,7 @@ impl Stage<'_> {
             }
         }
         // What is behind a surface hangs on what the ray is in by then: that all ways say the same.
-        let hits = through.hits(self.judge.scene);
-        let (starts, numbers) = (Starts::Hits(&through.from), &through.numbers);
-        self.by_all_ways(family, starts, &through.rays, (&hits, numbers), &mut found);
+        self.onward_by_all_ways(family, &through, &mut found);
         found.cases.truncate(self.most);
         found
     }
@@ -175,6 +163,15 @@ impl Stage<'_> {
             let what = format!("{unlike} says something else than a single ray{from}");
             found.cases.push(self.case(family, numbers[place], rays.get(place), &what));
         }
+    }
+
+    /// The same of rays that go on; what they meet, alone.
+    fn onward_by_all_ways(&self, family: Family, onward: &Onward, found: &mut Found) -> Vec<Hit> {
+        let Onward { from, rays, numbers } = onward;
+        let alone = |(from, ray)| self.judge.scene.trace_from(Start::Hit(from), ray, Want::LEAST);
+        let hits: Vec<Hit> = from.iter().zip(rays).map(alone).collect();
+        self.by_all_ways(family, Starts::Hits(from), rays, (&hits, numbers), found);
+        hits
     }
 
     /// Judges an answer by itself; what is bad about it.
@@ -267,15 +264,18 @@ impl Stage<'_> {
 
 /// The ray on from a hit, as from a mirror.
 fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
-    let (along, normal) = (DVec3::from(ray.direction), DVec3::from(hit.normal));
-    let along = (along / along.abs().max_element()).try_normalize()?;
+    let (along, normal) = (way(ray)?, DVec3::from(hit.normal));
     let onward = along - normal * (2.0 * along.dot(normal));
     (normal != DVec3::ZERO && onward.is_finite()).then(|| Ray::new(hit.point, onward.to_array()))
 }
 
 /// The ray on from a hit, through what it met.
 fn passing(ray: &Ray, hit: &Hit) -> Option<Ray> {
+    way(ray).map(|along| Ray::new(hit.point, along.to_array()))
+}
+
+/// The direction of a ray of any length, made unit.
+fn way(ray: &Ray) -> Option<DVec3> {
     let along = DVec3::from(ray.direction);
-    let along = (along / along.abs().max_element()).try_normalize()?;
-    along.is_finite().then(|| Ray::new(hit.point, along.to_array()))
+    (along / along.abs().max_element()).try_normalize()
 }

@@ -38,17 +38,11 @@ pub(super) fn is_at_start(line: &Line, t: f64) -> bool {
 }
 
 impl Scene {
-    /// The ray with its origin in the air to which it goes on, where rounding has put it behind the surface from which it goes, or into a solid that
-    /// meets the surface there: almost along that it would come out of it only much farther on. And whether it is still in one.
-    pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> (Line, bool) {
-        let Some(surface) = surface else { return (*line, false) };
-        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else {
-            return (*line, false);
-        };
-        if line.direction.dot(surface.normal) <= 0.0 {
-            // Through it: that may be into a solid.
-            return (*line, false);
-        }
+    /// The ray, which goes away from a surface, with its origin in the air to which it goes on, where rounding has put it behind that, or into a solid that
+    /// meets the surface there: almost along that it would come out of it only much farther on. Without a surface it is the ray itself.
+    pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> Line {
+        let Some(surface) = surface else { return *line };
+        let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else { return *line };
         let reach = (DEEP * (1.0 + line.origin.abs().max_element())).max(UNEVEN);
         let most = reach.min(MOST * self.tolerance()).max(surface.near);
         let mut line = *line;
@@ -60,17 +54,22 @@ impl Scene {
             }
             let may_be_in = line.tmin <= most && self.may_be_in_solid(line.origin.to_array(), 0.0);
             let solid = may_be_in.then(|| self.solid_at(line.origin.to_array())).flatten();
-            let Some(solid) = solid else { return (line, false) };
+            let Some(solid) = solid else { break };
             let Some(way) = self.way_out(&line, surface, solid, most) else { break };
             line.origin += way;
         }
-        (line, true)
+        line
+    }
+
+    /// Whether a ray that goes away from a surface came to what it met through matter: rounding has put its origin there, or so near that it passes an edge.
+    pub(super) fn came_through_matter(&self, line: &Line, found: Found) -> bool {
+        self.is_back(line, found) || self.comes_through_solids(line, found)
     }
 
     /// Whether a ray that goes on from a surface came to the back of a closed solid, as no ray from the air does: rounding has put its origin into that, or so near
     /// to it that it passes an edge.
     #[inline]
-    pub(super) fn is_back(&self, line: &Line, found: Found) -> bool {
+    fn is_back(&self, line: &Line, found: Found) -> bool {
         if found.triangle == NONE {
             return false;
         }
@@ -99,7 +98,7 @@ impl Scene {
 
     /// Whether a ray that goes on from a surface came to what it met farther on, if anything, through a solid.
     #[cold]
-    pub(super) fn comes_through_solids(&self, line: &Line, found: Found) -> bool {
+    fn comes_through_solids(&self, line: &Line, found: Found) -> bool {
         found.triangle != NONE && !is_at_start(line, found.t) && !self.comes_by_air(line, found.t)
     }
 

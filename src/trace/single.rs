@@ -322,21 +322,17 @@ impl Scene {
             // Without an end: that it has run into a solid is noticed where it comes out of that.
             line.tmax = f64::INFINITY;
         }
-        let (onward, is_within) = self.in_front(surface.as_ref(), &line);
+        let away = surface.as_ref().filter(|surface| is_away(surface, &line));
+        let onward = self.in_front(away, &line);
         let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
         let is_in_doubt = match &surface {
-            Some(surface) => {
-                let is_away = is_away(surface, &line);
-                is_away && self.is_back(&onward, ended.found)
-                    || (is_within || is_away) && self.comes_through_solids(&onward, ended.found)
-            }
+            Some(_) => away.is_some() && self.came_through_matter(&onward, ended.found),
             None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
         };
         ended.found.t = ended.found.t.max(line.tmin);
         if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
             let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
-            let away = surface.as_ref().filter(|surface| is_away(surface, &line));
             match self.begin(&line, away, &mut |line| again(line).found) {
                 Begin::InSolid(_) if surface.is_some() && is_at_start(&line, ended.found.t) => {}
                 Begin::InSolid(element) => {
@@ -356,10 +352,7 @@ impl Scene {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     ended = again(&aside);
-                    if away.is_some()
-                        && (self.is_back(&aside, ended.found)
-                            || self.comes_through_solids(&aside, ended.found))
-                    {
+                    if away.is_some() && self.came_through_matter(&aside, ended.found) {
                         // Into what meets the surface there: where the ray starts that is not met again, and from aside it is.
                         ended = among_all(tables, &aside, None, probe);
                     }
@@ -513,7 +506,7 @@ impl Scene {
 
 /// Whether a ray goes away from the surface that it starts on: not through it, be that into a solid.
 #[inline]
-fn is_away(surface: &Surface, line: &Line) -> bool {
+pub(super) fn is_away(surface: &Surface, line: &Line) -> bool {
     line.direction.dot(surface.normal) > 0.0
 }
 

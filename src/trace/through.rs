@@ -10,7 +10,7 @@ use super::NONE;
 use super::cells::Ended;
 use super::kernel::Ask;
 use super::ray::{Hit, Ray};
-use super::single::{Line, Start, Want, surface, surface_of};
+use super::single::{Line, Start, Want, is_away, surface, surface_of};
 use super::walk::Walk;
 use crate::scene::Scene;
 
@@ -72,7 +72,8 @@ impl Scene {
     ) -> Hit {
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         let Some(line) = Line::new(tables, ray) else { return Hit::ESCAPED };
-        let (line, _) = self.in_front(surface(start, &line).as_ref(), &line);
+        let surface = surface(start, &line);
+        let line = self.in_front(surface.as_ref().filter(|surface| is_away(surface, &line)), &line);
         let near = surface_of(first, line.origin, first.t).near;
         let skin = |triangle: u32| {
             let ([a, b, c], record) = (walk.corners(triangle), tables.record(triangle));
