@@ -338,6 +338,10 @@ impl<'s> Query<'s> {
         if depth > near * size {
             return t >= surface.tmin;
         }
+        let side = surface.normal * surface.normal.dot(self.direction).signum();
+        if !is_in_plane && self.leaves_edge(&[a, b, c], normal, side, near) {
+            return false;
+        }
         let volume = walk.volume_of(index);
         // Back on the side from which its ray came, it meets what faces that, however the surface itself is wound.
         let is_against = if surface.normal.dot(self.direction) > 0.0 {
@@ -359,6 +363,17 @@ impl<'s> Query<'s> {
             }
             _ => t >= surface.tmin && !is_in_plane,
         }
+    }
+
+    /// Whether the ray starts beside an edge of a triangle, by `near`, that it leaves, and that the triangle goes from to behind the surface on
+    /// which the ray starts: a face that goes on behind the end of a wall. `side` is the surface's normal on the side to which the ray goes.
+    fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: DVec3, near: f64) -> bool {
+        (0..3).any(|i| {
+            let (from, way) = (corners[i], corners[(i + 1) % 3] - corners[i]);
+            let inward = normal.cross(way);
+            let off = (self.origin - from).dot(inward).abs();
+            off <= near * inward.length() && inward.dot(self.direction) < 0.0 && inward.dot(side) < 0.0
+        })
     }
 }
 
