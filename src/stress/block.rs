@@ -156,11 +156,11 @@ impl Stage<'_> {
         for (place, unlike) in self.unlike(starts, rays, hits, numbers) {
             found.counts.unlike += 1;
             let from = if let Start::Hit(from) = starts.of(place) {
-                format!(" on from {:?}", from.answer())
+                format!(", on from {:?}", from.answer())
             } else {
                 String::new()
             };
-            let what = format!("{unlike} says something else than a single ray{from}");
+            let what = format!("{unlike} than a single ray, that says {:?}{from}", hits[place].answer());
             found.cases.push(self.case(family, numbers[place], rays.get(place), &what));
         }
     }
@@ -206,20 +206,20 @@ impl Stage<'_> {
         rays: &[Ray],
         hits: &[Hit],
         numbers: &[u64],
-    ) -> Vec<(usize, &'static str)> {
+    ) -> Vec<(usize, String)> {
         let mut unlike = Vec::new();
         let scene = self.judge.scene;
         for kernel in Kernel::available() {
             for (number, (ray, hit)) in rays.iter().zip(hits).enumerate() {
                 if !is_same(&scene.trace_with(kernel, starts.of(number), ray, Want::LEAST), hit) {
-                    unlike.push((number, kernel.name()));
+                    unlike.push((number, format!("{} says something else", kernel.name())));
                 }
             }
         }
         let mut many = vec![Hit::ESCAPED; rays.len()];
         scene.trace_many_of(starts, rays, &mut many, Want::LEAST);
         let differ = many.iter().zip(hits).enumerate().filter(|(_, (a, b))| !is_same(a, b));
-        unlike.extend(differ.map(|(number, _)| (number, "a batch")));
+        unlike.extend(differ.map(|(number, _)| (number, "a batch says something else".to_owned())));
         let mut briefs = vec![Brief { t: 0.0, triangle: 0, cell: 0 }; rays.len()];
         scene.trace_brief_many(starts, rays, &mut briefs);
         for (number, (brief, hit)) in briefs.iter().zip(hits).enumerate() {
@@ -227,7 +227,7 @@ impl Stage<'_> {
             let is_same = [brief.t, alone.t].iter().all(|t| is_same_t(*t, hit.t))
                 && [brief.triangle, alone.triangle].iter().all(|triangle| *triangle == hit.triangle);
             if !is_same {
-                unlike.push((number, "a brief answer"));
+                unlike.push((number, "a brief answer says something else".to_owned()));
             }
         }
         // Parts of the rays, and whether anything is in their way.
@@ -252,10 +252,14 @@ impl Stage<'_> {
         let mut occluded = vec![false; segments.len()];
         scene.occluded_many_of(starts, &segments, &mut occluded);
         for (number, ray, is_occluded) in &parts {
-            if occluded[*number] != *is_occluded
-                || scene.occluded_from(starts.of(*number), ray) != *is_occluded
+            for (is, how) in
+                [(occluded[*number], "in a batch"), (scene.occluded_from(starts.of(*number), ray), "alone")]
             {
-                unlike.push((*number, "occlusion"));
+                if is != *is_occluded {
+                    let is = if is { "something" } else { "nothing" };
+                    let what = format!("a segment to {:e} {how} has {is} in its way, otherwise", ray.tmax);
+                    unlike.push((*number, what));
+                }
             }
         }
         unlike

@@ -434,3 +434,14 @@ fn a_ray_past_the_edges_of_stairs_is_right_by_a_witness_that_is_hardly_beside_it
 fn a_ray_on_from_a_concave_edge_went_through_the_slab_and_met_what_that_lies_on() {
     seeded(72, "tilted-1", Family::Edges, 1380);
 }
+
+#[test]
+fn a_ray_from_the_edge_of_a_wall_met_a_face_that_goes_on_behind_that() {
+    seeded(73, "house-cad", Family::AlongEdges, 1020);
+    seeded(73, "house-cad", Family::AlongEdges, 2240);
+}
+
+#[test]
+fn a_segment_that_ends_almost_along_a_face_was_not_looked_at_behind_that() {
+    seeded(70, "tilted-1", Family::AlongEdges, 919);
+}

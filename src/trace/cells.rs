@@ -176,15 +176,26 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
                 _ => return Err(UNSURE),
             };
             // Where cells say that the ray is too far, the triangles may say that it is not yet.
-            if exit.t > self.limit + BEYOND * self.surfaces.tolerance {
-                return Ok(Ended { found: nothing, cell, in_matter: false });
-            }
-            if exit.t > self.limit + self.surfaces.tolerance {
+            let beyond = exit.t - self.limit;
+            if beyond > self.surfaces.tolerance && (past.is_some() || self.is_clear(record, &exit, beyond)) {
+                if beyond > BEYOND * self.surfaces.tolerance {
+                    return Ok(Ended { found: nothing, cell, in_matter: false });
+                }
                 past.get_or_insert(cell);
             }
             cell = exit.cell;
         }
         Err(UNSURE)
+    }
+
+    /// Whether a ray that leaves a cell so far beyond its end is, where it ends, farther from the face than that is rounded: almost along the face it
+    /// may have met what stands there.
+    #[inline]
+    fn is_clear(&self, record: &CellRecord, exit: &Exit, beyond: f64) -> bool {
+        let prisms = &self.path.prisms;
+        let outward = prisms.turned_back(self.path.outward(record, exit));
+        let off = beyond * outward.dot(self.query.direction).abs();
+        !(off < prisms.rounding() * outward.length())
     }
 
     /// Where the ray comes to the prisms, if it does, and which it enters.
