@@ -1,7 +1,7 @@
 //! The closed shells of a mesh, and what lies inside them, as [`crate::shells`] defines it.
 //!
 //! Winding numbers are found by how often an oblique line from the point to infinity leaves the shell less how often it enters; where it passes an edge
-//! closely, or the point is on the surface, by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983). The parity is found by how
+//! closely, or the point is exactly on the surface, by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983). The parity is found by how
 //! often a line from the point to infinity pierces the shell, by the majority of three oblique lines that meet no edge.
 
 use enfilade_importers::Mesh;
@@ -31,10 +31,6 @@ const SHADE: [[f64; 3]; 2] = [[OBLIQUE[0][2], 0.0, -OBLIQUE[0][0]], [0.0, OBLIQU
 /// Times the largest coordinate: what moves shadows at most, and much more. They are rounded twice, by an epsilon each; and the line that is followed is
 /// the normalised one, off by half an epsilon for each axis, which over twice the largest coordinate moves its shadow by as many more.
 const SHADOW_ERROR: f64 = 64.0 * f64::EPSILON;
-
-/// Times 1 m and the largest coordinate: where the line pierces a triangle nearer to its start, by more than distances are rounded ([`pierce`]), solid
-/// angles decide.
-const NEAR: f64 = 1e-9;
 
 /// Where a point's shadow is.
 fn shadow(p: [f64; 3]) -> [f64; 2] {
@@ -150,7 +146,7 @@ impl Shell {
             let (is_left, is_right) =
                 (sides.iter().all(|&side| side > error), sides.iter().all(|&side| side < -error));
             if is_left || is_right {
-                let t = pierce(&line, corners, size).filter(|t| t.abs() > NEAR * (1.0 + line.reach))?;
+                let t = pierce(&line, corners, size).filter(|t| *t != 0.0)?;
                 turns += if t < 0.0 {
                     0
                 } else if is_left {

@@ -90,7 +90,7 @@ impl Judge<'_> {
         {
             return if first.is_tie() { Worth::Tie } else { Worth::ExactOnly };
         }
-        if self.is_limit(ray, answer) {
+        if self.is_limit(ray, answer, |_| true) {
             return Worth::Tie;
         }
         let met = match answer {
@@ -115,9 +115,11 @@ impl Judge<'_> {
     /// What an answer is worth that is the exact one to one of some rays beside: by a billionth of the tolerance it is as good as a tie, by a
     /// millionth it is beside.
     fn is_exact_beside(&self, ray: &Ray, answer: &Answer) -> Option<Worth> {
+        /// If so many do not say it, it is less likely that the next one does than that it hangs on where the ray starts and ends.
+        const FEW: usize = 4;
         let tolerance = self.truth.tolerance();
         let fine = 8.0 * f64::EPSILON * ray.origin.iter().fold(0.0f64, |most, c| most.max(c.abs()));
-        let is_answer = |ray: &Ray| match (answer, self.truth.answer(ray)) {
+        let is_answer = |truth: &TrueAnswer| match (answer, truth) {
             (Answer::Hit(hit), TrueAnswer::Hit(nearest)) => {
                 hit.element == nearest.element.0 && (hit.t - nearest.t).abs() <= tolerance
             }
@@ -127,60 +129,71 @@ impl Judge<'_> {
             }
             _ => false,
         };
-        // To the middles of a cube's sides, its edges and its corners.
+        // To a cube's corners, its edges and the middles of its sides.
+        let ways = |axes: usize| {
+            let all = (0..27).map(|way| [way % 3, way / 3 % 3, way / 9].map(|step| f64::from(step - 1)));
+            all.filter(move |way| way.iter().filter(|step| **step != 0.0).count() == axes)
+        };
         let beside = |far: f64| {
-            (0..27).filter(|way| *way != 13).map(move |way| {
-                let way = [way % 3, way / 3 % 3, way / 9].map(|step| f64::from(step - 1));
+            ways(3).chain(ways(2)).chain(ways(1)).map(move |way| {
                 let origin = [0, 1, 2].map(|i| ray.origin[i] + far * way[i]);
                 Ray { origin, ..*ray }
             })
         };
         let (near, far) = (fine.max(1e-9 * tolerance), fine.max(1e-6 * tolerance));
-        if beside(near).any(|ray| is_answer(&ray)) {
-            return Some(Worth::Tie);
+        let mut truths = Vec::with_capacity(26);
+        for beside in beside(near) {
+            if truths.len() == FEW
+                && self.is_limit(ray, answer, |between| self.truth.nearest(between).is_none())
+            {
+                return Some(Worth::Tie);
+            }
+            let truth = self.truth.answer(&beside);
+            if is_answer(&truth) {
+                return Some(Worth::Tie);
+            }
+            truths.push(truth);
         }
         // Along an edge it touches one corner after the other: on the way it may be on one side of them, and on the other where it ends.
         if let Answer::Hit(Hit { t, element, .. }) = answer {
-            let is_free = |ray: &Ray| match self.truth.answer(ray) {
+            let is_free = |truth: &TrueAnswer| match truth {
                 TrueAnswer::Hit(nearest) => nearest.t >= t - rounding(*t),
                 TrueAnswer::Escaped => true,
                 TrueAnswer::InSolid(_) => false,
             };
             let from = (t - rounding(*t)).max(ray.tmin.max(0.0));
             let is_met = |ray: &Ray| self.truth.meets(ray, *element, from, t + rounding(*t));
-            if beside(near).any(|ray| is_free(&ray)) && beside(near).any(|ray| is_met(&ray)) {
+            if truths.iter().any(is_free) && beside(near).any(|ray| is_met(&ray)) {
                 return Some(Worth::Tie);
             }
         }
-        beside(far).any(|ray| is_answer(&ray)).then_some(Worth::Beside)
+        beside(far).any(|ray| is_answer(&self.truth.answer(&ray))).then_some(Worth::Beside)
     }
 
     /// Whether an answer is exact but for what is met within rounding of where the ray starts and ends: what it says is there, and nothing
-    /// between; and the way there is air.
-    fn is_limit(&self, ray: &Ray, answer: &Answer) -> bool {
+    /// between; and the way there is air. `may_be_free` tells soon which rays meet something.
+    fn is_limit(&self, ray: &Ray, answer: &Answer, may_be_free: impl Fn(&Ray) -> bool) -> bool {
         let (least, most) = (ray.tmin.max(0.0), ray.tmax);
         let near = rounding(least);
-        let (end, is_there) = match answer {
-            Answer::Hit(Hit { t, element, .. }) if t.is_finite() => {
-                let near = rounding(*t);
-                let is_within = *t >= least - near && *t <= most + near;
-                (*t, is_within && self.truth.meets(ray, *element, *t - near, *t + near))
+        let (end, element) = match answer {
+            Answer::Hit(Hit { t, element, .. })
+                if t.is_finite() && *t >= least - rounding(*t) && *t <= most + rounding(*t) =>
+            {
+                (*t, Some(*element))
             }
-            Answer::Escaped => (most, true),
+            Answer::Escaped => (most, None),
             _ => return false,
         };
-        if !is_there {
-            return false;
-        }
         let (from, to) = (least + near, end - if end.is_finite() { rounding(end) } else { 0.0 });
-        if to <= from {
-            return true;
-        }
         let between = Ray { tmin: from, tmax: to, ..*ray };
+        let is_short = to <= from;
+        let (before, after) = (end - rounding(end), end + rounding(end));
         // Halfway: it may start within a surface.
         let is_air = |t: f64| self.truth.solids_at(at(ray, t)).is_empty();
         let far = if to.is_finite() { to } else { from + 1.0 };
-        self.truth.first(&between).is_none() && is_air(from + 0.5 * (far - from))
+        (is_short || may_be_free(&between))
+            && element.is_none_or(|element| self.truth.meets(ray, element, before, after))
+            && (is_short || (self.truth.first(&between).is_none() && is_air(from + 0.5 * (far - from))))
     }
 }
 
