@@ -445,3 +445,9 @@ fn a_ray_from_the_edge_of_a_wall_met_a_face_that_goes_on_behind_that() {
 fn a_segment_that_ends_almost_along_a_face_was_not_looked_at_behind_that() {
     seeded(70, "tilted-1", Family::AlongEdges, 919);
 }
+
+#[test]
+fn a_ray_along_a_face_that_meets_its_edge_is_right_by_a_witness_through_that_very_edge() {
+    seeded(1001, "scaled-1e-3", Family::Grazing, 1049);
+    seeded(1002, "turned-0", Family::AlongEdges, 7916);
+}

@@ -18,8 +18,8 @@ impl Truth {
     /// it may begin where it comes out of that. `None` is
     /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
-        /// Shares of the way to the triangle's middle: at the point itself others may be met as well.
-        const INWARD: [f64; 5] = [1e-15, 1e-12, 1e-9, 1e-6, 1e-4];
+        /// Shares of the way to the triangle's middle: at the point itself others may be met as well, and inward of an edge a face before that.
+        const INWARD: [f64; 6] = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4];
         let line = Line::new(ray)?;
         if !(t >= first_t(ray) && t <= ray.tmax && t.is_finite()) {
             return None;
@@ -37,14 +37,14 @@ impl Truth {
             let place = rational(t / length_of(ray.direction));
             let met = [0, 1, 2].map(|i| &exactly.origin[i] + &exactly.direction[i] * &place);
             let shift = minus(&point, &met);
-            let aside = along(&shift, &shift).to_f64().value().sqrt();
+            let across = along(&shift, &shift).to_f64().value().sqrt();
             let origin = [0, 1, 2].map(|i| &exactly.origin[i] + &shift[i]);
             let start = [0, 1, 2].map(|i| line.at(first_t(ray))[i] + shift[i].to_f64().value());
             let beside = Exactly { origin, ..Exactly::new(ray) };
             let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
             // Along itself it is moved out of what it starts inside of.
             let ahead = self.way_out(&near, start)?;
-            let aside = aside.hypot(ahead);
+            let aside = across.hypot(ahead);
             if aside > self.tolerance {
                 return None;
             }
@@ -52,9 +52,10 @@ impl Truth {
             let rounding = 1e-12 * (1.0 + t);
             let near = Ray { tmin: first_t(ray) + ahead - rounding, tmax: ray.tmax + rounding, ..near };
             let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
-            let is_it =
-                first.met.iter().any(|(met, _)| met.element == element) && first.off(t).abs() <= rounding;
-            is_it.then_some(aside)
+            let off = first.off(t).abs();
+            let displacement = if off <= rounding { aside } else { across.hypot(ahead.max(off)) };
+            let is_it = first.met.iter().any(|(met, _)| met.element == element);
+            (is_it && displacement <= self.tolerance).then_some(displacement)
         })
     }
 }
