@@ -14,7 +14,7 @@ use enfilade::render::{Camera, parse_cameras, room_views};
 use enfilade::{CompileOptions, Scene, compile};
 
 use super::failure::{Failure, Outcome};
-use super::input::{Reading, Resources};
+use super::input::{Reading, Resources, model_of};
 use super::output;
 use super::render::{parse_picture_size, read_cameras};
 
@@ -87,18 +87,6 @@ struct Error {
     markdown: bool,
     #[command(flatten)]
     common: Common,
-}
-
-impl Error {
-    fn model<'a>(&'a self, scene: &'a Path) -> Result<&'a Path, Failure> {
-        match &self.model {
-            Some(model) => Ok(model),
-            None if scene.extension().is_some_and(|extension| extension == "enf") => {
-                Err(Failure::usage("--model MODEL is needed: what was the scene compiled from?"))
-            }
-            None => Ok(scene),
-        }
-    }
 }
 
 #[derive(Args)]
@@ -271,7 +259,8 @@ fn run_error(arguments: &Error) -> Result<Outcome, Failure> {
             }
             (None, Some(path)) => {
                 let scene = common.scene(path)?;
-                let model = common.reading.model(arguments.model(path)?, &common.resources)?;
+                let model =
+                    common.reading.model(model_of(path, arguments.model.as_deref())?, &common.resources)?;
                 let views = common.views(&scene)?;
                 (path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), scene, model, views)
             }

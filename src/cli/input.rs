@@ -336,6 +336,17 @@ impl Reading {
     }
 }
 
+/// The model that a scene was compiled from: the one that is told, or the scene itself, if that is a model.
+pub fn model_of<'a>(scene: &'a Path, model: Option<&'a Path>) -> Result<&'a Path, Failure> {
+    match model {
+        Some(model) => Ok(model),
+        None if is_scene(scene) => {
+            Err(Failure::usage("--model MODEL is needed: what was the scene compiled from?"))
+        }
+        None => Ok(scene),
+    }
+}
+
 /// Whether a file is a compiled scene, by its first bytes or, if it has none, by its name.
 pub fn is_scene(path: &Path) -> bool {
     use std::io::Read;

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::doors::Doors;
 use super::failure::{Failure, Outcome};
 use super::hide::Hide;
-use super::input::{Reading, Resources};
+use super::input::{Reading, Resources, model_of};
 use super::output;
 
 /// Check a scene against the model that it was compiled from: random rays against the truth, a second tracer
@@ -24,14 +24,14 @@ use super::output;
 /// on any wrong ray, on any part of a ray that is called free or occluded otherwise than the whole ray says, or if more than 0.1 % had to be excused (edges, starts in solids).
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade verify house.enf --model house.glb\n  enfilade verify house.enf --model house.glb --rays 10000000 --seed 7 --json"
+    after_help = "Examples:\n  enfilade verify house.glb\n  enfilade verify house.enf --model house.glb\n  enfilade verify house.enf --model house.glb --rays 10000000 --seed 7 --json"
 )]
 pub struct Arguments {
     /// The scene (.enf), or a model, which is compiled on the fly.
     scene: PathBuf,
-    /// The model that the scene was compiled from: the truth.
+    /// The model that the scene was compiled from: the truth. Not needed if that is what is compiled on the fly.
     #[arg(long, value_name = "MODEL")]
-    model: PathBuf,
+    model: Option<PathBuf>,
     /// Random rays, from rooms and from outside.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     rays: u64,
@@ -63,8 +63,9 @@ struct Timed<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let truth = model_of(&arguments.scene, arguments.model.as_deref())?;
     let (report, seconds) = arguments.resources.in_pool(|| {
-        let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
+        let model = arguments.reading.model(truth, &arguments.resources)?;
         let mut scene = arguments.reading.scene(&arguments.scene, &arguments.resources)?;
         // What was found in the building comes after what the model says.
         let own = scene.elements().filter(|element| !element.is_derived());
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             return Err(Failure::input(format!(
                 "{} was not compiled from {}: their elements differ",
                 arguments.scene.display(),
-                arguments.model.display()
+                truth.display()
             )));
         }
         arguments.doors.apply(&mut scene, &arguments.resources)?;
@@ -102,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         output::print_json(&Timed {
             version: env!("CARGO_PKG_VERSION"),
             scene: arguments.scene.display().to_string(),
-            model: arguments.model.display().to_string(),
+            model: truth.display().to_string(),
             passed,
             seconds,
             report: &report,

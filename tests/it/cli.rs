@@ -320,6 +320,10 @@ fn verify_passes_on_the_house_and_finds_a_wall_that_moved() {
     let text = folder.run(&["verify", "house.enf", "--model", &fixture_arg("house.obj"), "--rays", "2000"]);
     assert!(text.expect(0).text().ends_with("passed\n"));
 
+    let alone = folder.run(&["verify", &fixture_arg("house.obj"), "--rays", "2000"]);
+    assert!(alone.expect(0).text().ends_with("passed\n"), "a model is its own truth");
+    folder.run(&["verify", "house.enf"]).expect_failure(2, &["--model"]);
+
     folder.write("house.mtl", std::fs::read(fixture_arg("house.mtl")).unwrap());
     folder.write("moved.obj", house_with_moved_wall(0.01));
     let moved = ["verify", "house.enf", "--model", "moved.obj", "--rays", "20000"];
