@@ -451,3 +451,8 @@ fn a_ray_along_a_face_that_meets_its_edge_is_right_by_a_witness_through_that_ver
     seeded(1001, "scaled-1e-3", Family::Grazing, 1049);
     seeded(1002, "turned-0", Family::AlongEdges, 7916);
 }
+
+#[test]
+fn a_ray_from_between_boards_a_picometre_apart_met_again_what_it_left() {
+    seeded(94, "near-coplanar", Family::Surfaces, 6372);
+}

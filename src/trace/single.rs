@@ -352,9 +352,15 @@ impl Scene {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     ended = again(&aside);
-                    if away.is_some() && self.came_through_matter(&aside, ended.found) {
+                    if let Some(away) = away
+                        && self.came_through_matter(&aside, ended.found)
+                    {
                         // Into what meets the surface there: where the ray starts that is not met again, and from aside it is.
-                        ended = among_all(tables, &aside, None, probe);
+                        let met = among_all(tables, &aside, None, probe);
+                        // From aside it may come through the surface itself, where there is no air before that.
+                        if met.found.triangle != away.triangle {
+                            ended = met;
+                        }
                     }
                     // Back from the other ray's origin to this one's.
                     ended.found.t += way.dot(line.direction);
