@@ -195,7 +195,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         let prisms = &self.path.prisms;
         let outward = prisms.turned_back(self.path.outward(record, exit));
         let off = beyond * outward.dot(self.query.direction).abs();
-        !(off < prisms.rounding() * outward.length())
+        off >= prisms.rounding() * outward.length()
     }
 
     /// Where the ray comes to the prisms, if it does, and which it enters.
