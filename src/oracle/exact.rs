@@ -25,23 +25,6 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, a.mul_add(b, -product))
 }
 
-/// The upper and the lower half of the digits of `a` (Veltkamp, 1968).
-#[inline]
-fn split(a: f64) -> (f64, f64) {
-    let times = a * ((1u64 << 27) + 1) as f64;
-    let high = times - (times - a);
-    (high, a - high)
-}
-
-/// The same as [`two_product`] (Dekker, 1971), without a fused operation, which takes a call where the processor is not known to have it; no number where
-/// factors are beyond 2^996.
-#[inline]
-fn two_product_of_halves(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    let ((a, rest_a), (b, rest_b)) = (split(a), split(b));
-    (product, rest_a * rest_b - (((product - a * b) - rest_a * b) - a * rest_b))
-}
-
 /// A sum of two f64, the second less than half a unit in the last place of the first: about 106 bits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twice {
@@ -60,7 +43,7 @@ impl Twice {
     /// `self * other`, but for 2^-102 of it.
     #[inline]
     fn times(self, other: Twice) -> Twice {
-        let (high, rest) = two_product_of_halves(self.high, other.high);
+        let (high, rest) = two_product(self.high, other.high);
         let (high, low) = two_sum(high, rest + (self.high * other.low + self.low * other.high));
         Twice { high, low }
     }

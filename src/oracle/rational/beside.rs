@@ -15,7 +15,7 @@ impl Truth {
     /// Whether an answer is that to a parallel ray a little aside, whose origin need be no f64: how far, metres. The answer says that the
     /// ray meets the triangle `corners` of `element` at `t`, a place that the triangle comes within the tolerance of. Finds witnesses where
     /// things are narrower than f64 is fine. What the witness starts inside of is asked in f64: within rounding of a surface that may be either;
-    /// it may begin where it comes out of that. `None` is
+    /// it may begin where it comes out of that. What the witness meets may be off along it, too: both count as how far. `None` is
     /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well, and inward of an edge a face before that.
