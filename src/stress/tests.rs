@@ -379,6 +379,12 @@ fn a_segment_along_an_edge_did_not_come_as_far_as_its_ray() {
     seeded(52, "scaled-1e6", Family::AlongEdges, 3994);
 }
 
+/// Down from the underside of a solid's corner, another triangle of that underside was met at once.
+#[test]
+fn a_ray_on_from_an_edge_met_the_plane_that_it_left() {
+    seeded(1018, "tilted-0", Family::AlongEdges, 1672);
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {

@@ -332,15 +332,15 @@ impl Scene {
         ended.found.t = ended.found.t.max(line.tmin);
         if is_in_doubt {
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
-            let mut again = |line: &Line| among_all(tables, line, surface.as_ref(), probe);
-            match self.begin(&line, away, &mut |line| again(line).found) {
+            let again = |line: &Line, probe: &mut P| among_all(tables, line, surface.as_ref(), probe);
+            match self.begin(&line, away, &mut |line| again(line, probe).found) {
                 Begin::InSolid(_) if surface.is_some() && is_at_start(&line, ended.found.t) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
-                    ended = again(&line);
+                    ended = again(&line, probe);
                 }
                 Begin::At(_) if surface.is_some() && self.comes_by_air(&onward, ended.found.t) => {
                     // Past the edge of what it does not come from within of.
@@ -351,7 +351,12 @@ impl Scene {
                 Begin::Beside(way) => {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
-                    ended = again(&aside);
+                    // Aside may be behind the surface, which it does not meet from there either.
+                    let behind = surface.as_ref().map(|surface| Surface {
+                        near: surface.near + way.dot(surface.normal).abs(),
+                        ..*surface
+                    });
+                    ended = among_all(tables, &aside, behind.as_ref(), probe);
                     if let Some(away) = away
                         && self.came_through_matter(&aside, ended.found)
                     {
