@@ -98,6 +98,9 @@ pub(crate) fn pierce(line: &Line, corners: &Corners, size: Size) -> Option<f64> 
         };
         left |= sign > 0;
         right |= sign < 0;
+        if left && right {
+            return None;
+        }
     }
     if left == right { None } else { distance(line, corners, sub(corners[0], line.origin)) }
 }
@@ -116,6 +119,11 @@ pub(crate) fn sides(line: &Line, corners: &Corners) -> [f64; 3] {
 /// The sign of `d . ((b - o) x (c - o))`.
 #[cold]
 fn exact_side(line: &Line, b: [f64; 3], c: [f64; 3]) -> i32 {
+    // In one plane across an axis, as with a ray along a floor.
+    let is_flat = |i: usize| line.direction[i] == 0.0 && b[i] == line.origin[i] && c[i] == line.origin[i];
+    if (0..3).any(is_flat) {
+        return 0;
+    }
     let twice = |p: [f64; 3]| [0, 1, 2].map(|i| exact::Twice::difference(p[i], line.origin[i]));
     if let Some(sign) = exact::side_in_twice(line.direction, twice(b), twice(c)) {
         return sign;

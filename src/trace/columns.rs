@@ -1,4 +1,4 @@
-//! Which triangles of a volume a vertical line may cross: a grid over its plan, made when it is first asked for.
+//! Which triangles of a volume a vertical line may cross: a grid over its plan, finer where they are smaller, made when it is first asked for.
 //!
 //! Whether a point lies inside of a volume hangs on the triangles over it ([`super::locate::crossings`]). Slabs and walls of large buildings have
 //! thousands, and one in a hundred rays of a random walk asks.
@@ -41,86 +41,109 @@ fn corners(tables: &Views, triangle: u32) -> [[f64; 3]; 3] {
     tables.triangles[triangle as usize].map(|v| tables.vertices[v as usize])
 }
 
-/// Squares over a volume's plan, x fastest, and the triangles over each.
+/// Rectangles over a volume's plan, in rows along x, and the triangles over each.
 struct Grid {
-    lo: [f64; 2],
-    /// Squares in a metre.
-    per: [f64; 2],
-    dims: [usize; 2],
-    /// For each square its first item, and the end of the last.
+    /// Along each axis the lines between columns and rows, lowest first.
+    lines: [Vec<f64>; 2],
+    /// For each rectangle its first item, and the end of the last.
     starts: Vec<u32>,
     /// Triangles, counted from the volume's first.
     items: Vec<u32>,
 }
 
 impl Grid {
-    /// At most so many items for each triangle.
+    /// At most so many items for each triangle, and rectangles.
     const SHARE: u64 = 8;
 
     fn new(tables: &Views, volume: &VolumeRecord) -> Grid {
         let count = volume.triangle_count;
         let [lo, hi] = volume.bounds.map(|[x, y, _]| [x, y]);
         // What is beside a triangle by more than roundings is not crossed, however it is computed.
-        let margin = [0, 1].map(|axis| lo[axis].abs().max(hi[axis].abs()) * (-40f64).exp2());
-        let size = [0, 1].map(|axis| (hi[axis] - lo[axis]).max(1e-9));
-        let wanted = f64::from(count);
-        let along = (wanted * size[0] / size[1]).sqrt().clamp(1.0, wanted);
-        let mut dims = [along.ceil() as usize, (wanted / along).ceil() as usize];
-        loop {
-            let mut grid = Grid {
-                lo,
-                per: [0, 1].map(|axis| dims[axis] as f64 / size[axis]),
-                dims,
-                starts: vec![0; dims[0] * dims[1] + 1],
-                items: Vec::new(),
-            };
-            let boxes: Vec<[[usize; 2]; 2]> = (0..count)
-                .map(|item| {
-                    let corners = corners(tables, volume.first_triangle + item);
-                    let bound = |axis: usize, pick: fn(f64, f64) -> f64| {
-                        pick(pick(corners[0][axis], corners[1][axis]), corners[2][axis])
-                    };
-                    [0, 1].map(|axis| {
-                        [bound(axis, f64::min) - margin[axis], bound(axis, f64::max) + margin[axis]]
-                            .map(|c| grid.place(axis, c))
-                    })
+        let margins = [0, 1].map(|axis| lo[axis].abs().max(hi[axis].abs()) * (-40f64).exp2());
+        let boxes: Vec<[[f64; 2]; 2]> = (0..count)
+            .map(|item| {
+                let corners = corners(tables, volume.first_triangle + item);
+                [0, 1].map(|axis| {
+                    let [a, b, c] = corners.map(|corner| corner[axis]);
+                    [a.min(b).min(c) - margins[axis], a.max(b).max(c) + margins[axis]]
                 })
-                .collect();
-            let total: u64 = boxes.iter().map(|[x, y]| ((x[1] - x[0] + 1) * (y[1] - y[0] + 1)) as u64).sum();
-            if total > Grid::SHARE * u64::from(count) && dims != [1, 1] {
-                dims = dims.map(|n| n.div_ceil(2));
+            })
+            .collect();
+        let places = [0, 1].map(|axis| Places::new(boxes.iter().map(|of| of[axis]), margins[axis]));
+        // As fine as triangles are: slivers side by side have columns across them, and no rows.
+        let mut dims =
+            places.each_ref().map(|places| (2.0 / places.mean_extent).min(f64::from(count)) as usize);
+        loop {
+            let lines = [0, 1].map(|axis| places[axis].lines(dims[axis]));
+            let counts = lines.each_ref().map(|lines| lines.len() + 1);
+            let covered = |of: &[[f64; 2]; 2]| [0, 1].map(|axis| of[axis].map(|c| place(&lines[axis], c)));
+            let total: u64 =
+                boxes.iter().map(covered).map(|[x, y]| ((x[1] - x[0] + 1) * (y[1] - y[0] + 1)) as u64).sum();
+            let most = Grid::SHARE * u64::from(count);
+            if total.max(counts[0] as u64 * counts[1] as u64) > most && counts != [1, 1] {
+                dims = counts.map(|n| n.div_ceil(2));
                 continue;
             }
-            let squares = |[x, y]: [[usize; 2]; 2]| {
-                (y[0]..=y[1]).flat_map(move |row| (x[0]..=x[1]).map(move |column| row * dims[0] + column))
+            let rectangles = |[x, y]: [[usize; 2]; 2]| {
+                (y[0]..=y[1]).flat_map(move |row| (x[0]..=x[1]).map(move |column| row * counts[0] + column))
             };
-            boxes.iter().flat_map(|&of| squares(of)).for_each(|square| grid.starts[square + 1] += 1);
-            for square in 0..dims[0] * dims[1] {
-                grid.starts[square + 1] += grid.starts[square];
+            let mut starts = vec![0; counts[0] * counts[1] + 1];
+            boxes.iter().map(covered).flat_map(rectangles).for_each(|at| starts[at + 1] += 1);
+            for at in 1..starts.len() {
+                starts[at] += starts[at - 1];
             }
-            let mut free = grid.starts.clone();
-            grid.items = vec![0; total as usize];
-            for (item, &of) in (0..).zip(&boxes) {
-                for square in squares(of) {
-                    grid.items[free[square] as usize] = item;
-                    free[square] += 1;
+            let mut free = starts.clone();
+            let mut items = vec![0; total as usize];
+            for (item, of) in (0..).zip(&boxes) {
+                for at in rectangles(covered(of)) {
+                    items[free[at] as usize] = item;
+                    free[at] += 1;
                 }
             }
-            return grid;
+            return Grid { lines, starts, items };
         }
-    }
-
-    /// The row or column of squares at a coordinate, or the one nearest to it.
-    #[inline]
-    fn place(&self, axis: usize, c: f64) -> usize {
-        // A negative number becomes 0.
-        (((c - self.lo[axis]) * self.per[axis]) as usize).min(self.dims[axis] - 1)
     }
 
     #[inline]
     fn at(&self, [x, y, _]: [f64; 3]) -> &[u32] {
-        let square = self.place(1, y) * self.dims[0] + self.place(0, x);
-        &self.items[self.starts[square] as usize..self.starts[square + 1] as usize]
+        let [columns, rows] = &self.lines;
+        let at = place(rows, y) * (columns.len() + 1) + place(columns, x);
+        &self.items[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+}
+
+/// Which column or row a coordinate is in.
+#[inline]
+fn place(lines: &[f64], c: f64) -> usize {
+    lines.partition_point(|&line| line <= c)
+}
+
+/// Where along an axis triangles begin and end.
+struct Places {
+    /// Those places, lowest first, each once.
+    ends: Vec<f64>,
+    /// How many of them a triangle covers, as a share of all.
+    mean_extent: f64,
+}
+
+impl Places {
+    /// Of triangles from and to; what is no farther apart than `margin` is one place.
+    fn new(extents: impl ExactSizeIterator<Item = [f64; 2]> + Clone, margin: f64) -> Places {
+        let mut ends: Vec<f64> = extents.clone().flatten().collect();
+        ends.sort_unstable_by(f64::total_cmp);
+        // Those are too far out by a margin, each way.
+        ends.dedup_by(|next, end| *next - *end <= 4.0 * margin);
+        let covered = |[from, to]: [f64; 2]| place(&ends, to) - place(&ends, from) + 1;
+        let covered: usize = extents.clone().map(covered).sum();
+        let mean_extent = covered as f64 / (ends.len().max(1) * extents.len().max(1)) as f64;
+        Places { ends, mean_extent }
+    }
+
+    /// Lines that part it into `count`, or fewer, with about as many places in each.
+    fn lines(&self, count: usize) -> Vec<f64> {
+        let between = |index: usize| 0.5 * (self.ends[index - 1] + self.ends[index]);
+        let most = count.min(self.ends.len());
+        (1..most).map(|k| between(k * self.ends.len() / most)).collect()
     }
 }
 

@@ -68,19 +68,6 @@ impl<'a> Walk<'a> {
         element(one) == element(other)
     }
 
-    /// Whether a triangle is of the surface: in the plane of it, and of its element.
-    pub(super) fn is_of_surface(&self, triangle: u32, surface: &Surface) -> bool {
-        if triangle == surface.triangle || triangle == NONE {
-            return triangle == surface.triangle;
-        }
-        let ([a, b, c], [corner, ..]) = (self.corners(triangle), self.corners(surface.triangle));
-        let normal = (b - a).cross(c - a);
-        let is_parallel = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * normal.length();
-        is_parallel
-            && (a - corner).dot(surface.normal).abs() <= ONE_PLANE
-            && self.are_of_one(triangle, surface.triangle)
-    }
-
     /// Whether a triangle's normal looks the other way than `normal`, or there is no such triangle.
     fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
         let Some(&corners) = self.triangles.get(triangle as usize) else { return true };
