@@ -1,7 +1,7 @@
 //! The closed shells of a mesh, and what lies inside them, as [`crate::shells`] defines it.
 //!
 //! Winding numbers are found by how often an oblique line from the point to infinity leaves the shell less how often it enters; where it passes an edge
-//! closely, or the point is exactly on the surface, by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983). The parity is found by how
+//! closely, by adding up the solid angles of triangles (Van Oosterom and Strackee, 1983). The parity is found by how
 //! often a line from the point to infinity pierces the shell, by the majority of three oblique lines that meet no edge.
 
 use enfilade_importers::Mesh;
@@ -37,14 +37,72 @@ fn shadow(p: [f64; 3]) -> [f64; 2] {
     SHADE.map(|axis| dot(axis, p))
 }
 
-/// The box around a triangle's shadow.
-fn shadow_of(corners: &Corners) -> [f64; 4] {
+/// The box around a triangle's shadow: the least and the greatest along each axis.
+fn shadow_of(corners: &Corners, error: f64) -> [[f64; 2]; 2] {
     let points = corners.map(shadow);
-    let error = SHADOW_ERROR * corners.iter().map(|&corner| max_abs(corner)).fold(0.0, f64::max);
-    let [u, v] = [0, 1].map(|i| points.map(|p| p[i]));
-    let least = |c: [f64; 3]| c[0].min(c[1]).min(c[2]) - error;
-    let most = |c: [f64; 3]| c[0].max(c[1]).max(c[2]) + error;
-    [least(u), most(u), least(v), most(v)]
+    [0, 1].map(|i| {
+        let [a, b, c] = points.map(|p| p[i]);
+        [a.min(b).min(c) - error, a.max(b).max(c) + error]
+    })
+}
+
+/// What [`SHADE`] leaves of each triangle on the plane across it, and a little more; in strips, by where along the first axis it lies.
+#[derive(Clone, Debug)]
+struct Shadows {
+    of: Vec<[[f64; 2]; 2]>,
+    strips: Vec<Vec<u32>>,
+    /// Where along the first axis they begin.
+    first: f64,
+    /// Strips for each unit of it.
+    per: f64,
+}
+
+impl Shadows {
+    /// Of the triangles within those bounds, as the points are whose lines are asked for.
+    fn of(triangles: &[Corners], bounds: Bounds) -> Shadows {
+        /// Triangles for each strip, and strips that each may lie in, taken together.
+        const SHARE: usize = 8;
+        let error = 2.0 * SHADOW_ERROR * max_abs(bounds.lo).max(max_abs(bounds.hi));
+        let of: Vec<_> = triangles.iter().map(|corners| shadow_of(corners, error)).collect();
+        let first = of.iter().fold(f64::INFINITY, |first, [[least, _], _]| first.min(*least));
+        let last = of.iter().fold(f64::NEG_INFINITY, |last, [[_, most], _]| last.max(*most));
+        let mut count = triangles.len().div_ceil(SHARE).max(1);
+        loop {
+            let mut shadows = Shadows {
+                of: Vec::new(),
+                strips: vec![Vec::new(); count],
+                first,
+                per: count as f64 / (last - first),
+            };
+            let covered = of.iter().map(|[[least, most], _]| shadows.strip(*least)..=shadows.strip(*most));
+            let total: usize = covered.clone().map(|strips| strips.count()).sum();
+            if total > SHARE * of.len() && count > 1 {
+                count = count.div_ceil(2);
+                continue;
+            }
+            let covered: Vec<_> = covered.collect();
+            for (index, strips) in (0..).zip(covered) {
+                strips.for_each(|strip| shadows.strips[strip].push(index));
+            }
+            shadows.of = of;
+            return shadows;
+        }
+    }
+
+    /// The strip of a place along the first axis, or the one nearest to it.
+    fn strip(&self, u: f64) -> usize {
+        // What is negative or no number becomes 0.
+        (((u - self.first) * self.per) as usize).min(self.strips.len() - 1)
+    }
+
+    /// Triangles that a line through that shadow may pierce or touch; of those that it passes by as much as roundings move it, all.
+    fn over(&self, at: [f64; 2]) -> impl Iterator<Item = usize> + '_ {
+        let is_over = move |index: &usize| {
+            let [u, v] = self.of[*index];
+            at[0] >= u[0] && at[0] <= u[1] && at[1] >= v[0] && at[1] <= v[1]
+        };
+        self.strips[self.strip(at[0])].iter().map(|&index| index as usize).filter(is_over)
+    }
 }
 
 /// Lines that must agree by majority.
@@ -54,8 +112,7 @@ const VOTES: u32 = 3;
 #[derive(Clone, Debug)]
 pub(crate) struct Shell {
     triangles: Vec<Corners>,
-    /// What [`SHADE`] leaves of each triangle on the plane across it: the least and the greatest coordinates, and a little more.
-    shadows: Vec<[f64; 4]>,
+    shadows: Shadows,
     bounds: Bounds,
     inside: Inside,
 }
@@ -75,7 +132,7 @@ impl Body {
             let corners = |t: [u32; 3]| t.map(|v| mesh.positions[v as usize]);
             let triangles: Vec<Corners> = shell.corners(mesh).map(corners).collect();
             let bounds = triangles.iter().fold(Bounds::EMPTY, |bounds, t| bounds.union(Bounds::of(t)));
-            let shadows = triangles.iter().map(shadow_of).collect();
+            let shadows = Shadows::of(&triangles, bounds);
             Shell { triangles, shadows, bounds, inside: shell.inside }
         });
         let shells: Vec<Shell> = shells.collect();
@@ -126,28 +183,27 @@ impl Body {
 }
 
 impl Shell {
-    /// How often the shell goes around `p`; for shells whose triangles agree.
+    /// How often the shell goes around `p`, which is within its bounds; for shells whose triangles agree.
     fn winding(&self, p: [f64; 3]) -> i64 {
         self.winding_by_crossings(p).unwrap_or_else(|| self.winding_by_angles(p))
     }
 
-    /// The same, if a line to infinity passes no edge closely, and `p` is not near the surface.
+    /// The same, if a line to infinity passes no edge closely; on the surface, of what is just ahead along that line.
     fn winding_by_crossings(&self, p: [f64; 3]) -> Option<i64> {
+        if !self.bounds.contains(p) {
+            return Some(0);
+        }
         let line = Line::new(&Ray::new(p, OBLIQUE[0]))?;
-        let ([u, v], error) = (shadow(p), SHADOW_ERROR * line.reach);
         let mut turns = 0;
-        for (corners, shadow) in self.triangles.iter().zip(&self.shadows) {
-            let [least_u, most_u, least_v, most_v] = *shadow;
-            if u < least_u - error || u > most_u + error || v < least_v - error || v > most_v + error {
-                continue;
-            }
+        for index in self.shadows.over(shadow(p)) {
+            let corners = &self.triangles[index];
             let (sides, size) = (sides(&line, corners), Size::of(corners));
             let error = size.side_error(line.reach);
             let (is_left, is_right) =
                 (sides.iter().all(|&side| side > error), sides.iter().all(|&side| side < -error));
             if is_left || is_right {
-                let t = pierce(&line, corners, size).filter(|t| *t != 0.0)?;
-                turns += if t < 0.0 {
+                // On the surface itself: what it enters or leaves there it is past.
+                turns += if pierce(&line, corners, size)? <= 0.0 {
                     0
                 } else if is_left {
                     1
@@ -324,7 +380,7 @@ mod tests {
         };
         let far = body(moved(Shape::prism(60, 0.9, 0.1, 0.8)));
         let mut random = crate::splitmix::SplitMix64::new(5);
-        let (mut told, mut turns) = (0, [0; 5]);
+        let (mut told, mut on, mut turns) = (0, 0, [0; 5]);
         for i in 0..4000 {
             let mut p = [0; 3].map(|_| random.between(-0.5, 2.0));
             if i % 4 == 0 {
@@ -338,7 +394,11 @@ mod tests {
             }
             for body in &bodies {
                 for shell in &body.shells {
-                    let by_angles = shell.winding_by_angles(p);
+                    // On the surface: just ahead.
+                    let is_on = !body.surface_near(p, 0.0).is_empty();
+                    let at = if is_on { [0, 1, 2].map(|i| p[i] + 1e-9 * OBLIQUE[0][i]) } else { p };
+                    on += i32::from(is_on);
+                    let by_angles = shell.winding_by_angles(at);
                     turns[(by_angles + 2) as usize] += 1;
                     if let Some(by_crossings) = shell.winding_by_crossings(p) {
                         assert_eq!(by_crossings, by_angles, "{p:?}");
@@ -349,6 +409,7 @@ mod tests {
         }
         let all: i32 = turns.iter().sum();
         assert!(told * 20 > all * 19, "{told} of {all}");
+        assert!(on > 40, "{on}");
         assert!(turns[1] > 300 && turns[2] > 3000 && turns[3] > 300, "{turns:?}");
     }
 

@@ -377,11 +377,16 @@ impl<'a> Prisms<'a> {
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
     pub(crate) fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
+        self.over(cell, point).max(-inward(self.sides_of(cell), point))
+    }
+
+    /// How far, metres, `point` is under the prism's floor or over its ceiling; negative between them.
+    fn over(&self, cell: &CellRecord, point: DVec3) -> f64 {
         let over = |plane: u32, up: f64| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
             (point.z - p * point.x - q * point.y - height) * up / (1.0 + p * p + q * q).sqrt()
         };
-        over(cell.floor, -1.0).max(over(cell.ceiling, 1.0)).max(-inward(self.sides_of(cell), point))
+        over(cell.floor, -1.0).max(over(cell.ceiling, 1.0))
     }
 
     /// The prism of air that holds `point` (from the lattice's origin) or is nearest to it, and no farther than `margin`;
@@ -398,7 +403,7 @@ impl<'a> Prisms<'a> {
                 continue;
             }
             // In the one or in the other: of two that meet there, the lower.
-            let outside = self.outside(cell, point).max(0.0);
+            let outside = self.over(cell, point).max(beyond(self.sides_of(cell), point));
             let rank = (cell.kind != CellRecord::AIR, outside, index);
             if outside <= margin && best.is_none_or(|best| rank < best) {
                 best = Some(rank);
@@ -417,11 +422,25 @@ fn edges(sides: &[SideRecord]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
 
 /// How far, metres, `point` is inside of the nearest of a footprint's sides; negative outside.
 fn inward(sides: &[SideRecord], point: DVec3) -> f64 {
-    let inward = edges(sides).map(|[a, b]| {
-        let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-        (ex * (point.y - a[1]) - ey * (point.x - a[0])) / (ex * ex + ey * ey).sqrt()
-    });
-    inward.fold(f64::INFINITY, f64::min)
+    edges(sides).map(|edge| turn(edge, point) / length(edge)).fold(f64::INFINITY, f64::min)
+}
+
+/// How far, metres, `point` is outside of the farthest of a footprint's sides, or 0 within: roots are for those it is outside of only.
+fn beyond(sides: &[SideRecord], point: DVec3) -> f64 {
+    edges(sides).fold(0.0, |most, edge| {
+        let turn = turn(edge, point);
+        if turn < 0.0 { f64::max(most, -turn / length(edge)) } else { most }
+    })
+}
+
+/// Twice the area of the triangle of an edge and a point, positive inside of it.
+fn turn([a, b]: [[f64; 2]; 2], point: DVec3) -> f64 {
+    (b[0] - a[0]) * (point.y - a[1]) - (b[1] - a[1]) * (point.x - a[0])
+}
+
+fn length([a, b]: [[f64; 2]; 2]) -> f64 {
+    let (x, y) = (b[0] - a[0], b[1] - a[1]);
+    (x * x + y * y).sqrt()
 }
 
 /// A point, metres in the internal frame, along the axes of the lattice from its origin.
