@@ -385,6 +385,12 @@ fn a_ray_on_from_an_edge_met_the_plane_that_it_left() {
     seeded(1018, "tilted-0", Family::AlongEdges, 1672);
 }
 
+/// In the corner of a door's frame that no volume is known of, the lintel was behind where the ray starts, by 1e-21.
+#[test]
+fn a_ray_on_from_an_edge_went_through_the_other_face_of_that() {
+    seeded(130, "scaled-1e-3", Family::Surfaces, 2932);
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {

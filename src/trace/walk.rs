@@ -331,7 +331,8 @@ impl<'s> Query<'s> {
         let depth = (t * outward).abs();
         let is_in_plane = normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size;
         // Met beside an edge, it is as far off its plane as that.
-        let mut near = surface.near + ROUNDING * self.farthest(walk.scene);
+        let rounded = ROUNDING * self.farthest(walk.scene);
+        let mut near = surface.near + rounded;
         if is_in_plane && depth <= ONE_PLANE * size && walk.are_of_one(index, surface.triangle) {
             near = near.max(ONE_PLANE);
         }
@@ -361,7 +362,7 @@ impl<'s> Query<'s> {
                 // What it leaves it was in by so little only.
                 outward < 0.0
             }
-            _ => t >= surface.tmin && !is_in_plane,
+            _ => (t >= surface.tmin || depth <= rounded * size) && !is_in_plane,
         }
     }
 
