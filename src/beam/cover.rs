@@ -173,8 +173,9 @@ impl Cover<'_> {
         let blocks = Cover::blocks(self.width);
         let (from, to) = ((rows[0] - self.top) as usize / ROWS, (rows[1] - 1 - self.top) as usize / ROWS);
         let (left, right) = (columns[0] as usize / WIDE, (columns[1] - 1) as usize / WIDE);
-        for row in from..=to {
-            for block in left..=right {
+        // Not `..=`, which says at each step anew whether it was the last.
+        for row in from..to + 1 {
+            for block in left..right + 1 {
                 let mut far = self.tiles[row * blocks + block].far;
                 if far.abs() < near && far.is_sign_negative() {
                     far = self.farthest(row, block);

@@ -4,9 +4,6 @@
 //! of its ends: a line of the picture, of equal size and opposite sign on the other side. A triangle is where three of them are positive, so that
 //! nothing is clipped, not even behind the eye; and `1 / t` is linear.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use glam::{DMat3, DVec3, Vec3};
 
 use super::backs::Hidden;
@@ -84,35 +81,71 @@ pub(super) trait Pen {
     fn draw(&mut self, drawn: &Drawn);
 }
 
-/// Nodes and leaves that wait, each with where in the picture it is: the nearest comes first.
+/// Nodes and leaves that wait, each with where in the picture it is: the nearest come first, but for a hundredth of how far they are. A heap, that
+/// has them in order, takes 5 % of a picture.
 struct Open {
-    /// By how far each is and its place among all: a word each, as many are moved for one that is taken.
-    order: BinaryHeap<Reverse<u64>>,
-    all: Vec<(u32, Place)>,
+    all: Vec<Waiting>,
+    /// By how far each is the last that was added and has not been taken, if any has not.
+    last: Box<[u32; Open::STEPS]>,
+    /// Where any wait, in words, and which words have any.
+    waits: [u64; Open::STEPS / 64],
+    words: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Waiting {
+    link: u32,
+    /// What was added before it as far away, or [`NONE`].
+    before: u32,
+    place: Place,
 }
 
 impl Open {
+    /// Of an f32 so many bits after the exponent.
+    const BITS: u32 = 6;
+    /// From a square of a few centimetres to one of kilometres; what is nearer or farther is together.
+    const FIRST: u32 = (127 - 10) << Open::BITS;
+    const STEPS: usize = 32 << Open::BITS;
+
     fn new() -> Open {
-        Open { order: BinaryHeap::new(), all: Vec::new() }
+        Open { all: Vec::new(), last: Box::new([NONE; Open::STEPS]), waits: [0; Open::STEPS / 64], words: 0 }
     }
 
     fn clear(&mut self) {
-        self.order.clear();
         self.all.clear();
+        (self.waits, self.words) = ([0; Open::STEPS / 64], 0);
     }
 
     /// Adds one, and the square of how far it is, metres.
     #[inline(always)]
     fn push(&mut self, link: u32, away: f32, place: Place) {
-        // Of numbers without a sign the bits are in order.
-        self.order.push(Reverse(u64::from(away.to_bits()) << 32 | self.all.len() as u64));
-        self.all.push((link, place));
+        let step = (away.to_bits() >> (23 - Open::BITS)).saturating_sub(Open::FIRST) as usize;
+        let step = step.min(Open::STEPS - 1);
+        let (word, bit) = (step / 64, 1 << (step % 64));
+        let before = if self.waits[word] & bit == 0 { NONE } else { self.last[step] };
+        self.last[step] = self.all.len() as u32;
+        self.all.push(Waiting { link, before, place });
+        self.waits[word] |= bit;
+        self.words |= 1 << word;
     }
 
     #[inline(always)]
     fn pop(&mut self) -> Option<(u32, Place)> {
-        let Reverse(key) = self.order.pop()?;
-        Some(self.all[key as u32 as usize])
+        if self.words == 0 {
+            return None;
+        }
+        let word = self.words.trailing_zeros() as usize;
+        let bit = self.waits[word].trailing_zeros() as usize;
+        let last = &mut self.last[64 * word + bit];
+        let Waiting { link, before, place } = self.all[*last as usize];
+        *last = before;
+        if before == NONE {
+            self.waits[word] &= self.waits[word] - 1;
+            if self.waits[word] == 0 {
+                self.words &= self.words - 1;
+            }
+        }
+        Some((link, place))
     }
 }
 

@@ -27,11 +27,10 @@ pub(crate) struct Joined {
 
 /// The polygons of a run.
 struct Polygons {
-    /// Which each triangle is of.
-    of: Box<[u32]>,
-    /// From where up to the next its corners are.
-    starts: Box<[u32]>,
-    corners: Box<[u32]>,
+    /// Which each triangle is of, named by one of its triangles, and where that begins in `loops`: together, as each is a wait for the memory.
+    of: Box<[[u32; 2]]>,
+    /// Of each polygon the number of corners, and those.
+    loops: Box<[u32]>,
 }
 
 /// Some triangles that are one polygon.
@@ -60,11 +59,10 @@ impl Joined {
             let own = tables.triangles.get(first as usize..end).unwrap_or_default();
             Polygons::new(own, &tables.vertices)
         });
-        let Some(&polygon) = polygons.of.get((triangle - first) as usize) else {
-            return Polygon { lead: triangle, corners: &tables.triangles[triangle as usize] };
-        };
-        let [start, end] = [0, 1].map(|next| polygons.starts[polygon as usize + next] as usize);
-        Polygon { lead: first + polygon, corners: &polygons.corners[start..end] }
+        match polygons.of.get((triangle - first) as usize) {
+            Some(&[lead, start]) => Polygon { lead: first + lead, corners: polygons.corners(start) },
+            None => Polygon { lead: triangle, corners: &tables.triangles[triangle as usize] },
+        }
     }
 }
 
@@ -85,15 +83,24 @@ impl Polygons {
                 }
             }
         }
-        for triangle in 0..triangles.len() as u32 {
-            of[triangle as usize] = root(&mut of, triangle);
-        }
-        let mut starts = vec![0];
-        starts.extend(loops.iter().scan(0, |end, corners| {
-            *end += corners.len() as u32;
-            Some(*end)
-        }));
-        Polygons { of: of.into(), starts: starts.into(), corners: loops.concat().into() }
+        let starts: Vec<u32> = loops
+            .iter()
+            .scan(0, |end, corners| Some(std::mem::replace(end, *end + 1 + corners.len() as u32)))
+            .collect();
+        let of = (0..triangles.len() as u32).map(|triangle| {
+            let lead = root(&mut of, triangle);
+            [lead, starts[lead as usize]]
+        });
+        let of = of.collect();
+        let loops =
+            loops.into_iter().flat_map(|corners| std::iter::once(corners.len() as u32).chain(corners));
+        Polygons { of, loops: loops.collect() }
+    }
+
+    #[inline]
+    fn corners(&self, start: u32) -> &[u32] {
+        let (&count, rest) = self.loops[start as usize..].split_first().unwrap_or((&0, &[]));
+        &rest[..count as usize]
     }
 }
 
@@ -201,9 +208,8 @@ mod tests {
     fn polygons(triangles: &[[u32; 3]], vertices: &[[f64; 3]]) -> Vec<Vec<u32>> {
         let polygons = Polygons::new(triangles, vertices);
         let of = |triangle: usize| {
-            let polygon = polygons.of[triangle] as usize;
-            polygons.corners[polygons.starts[polygon] as usize..polygons.starts[polygon + 1] as usize]
-                .to_vec()
+            let [_, start] = polygons.of[triangle];
+            polygons.corners(start).to_vec()
         };
         (0..triangles.len()).map(of).collect()
     }

@@ -409,7 +409,9 @@ impl Side {
     /// How far it passes the ray.
     fn distance(&self) -> f64 {
         let ([p, _], share) = (self.ends, self.share_on_it());
-        (p[0] + share * self.way[0]).hypot(p[1] + share * self.way[1])
+        let off = [p[0] + share * self.way[0], p[1] + share * self.way[1]];
+        // Not `hypot`, whose last bits are another's on another machine.
+        (off[0] * off[0] + off[1] * off[1]).sqrt()
     }
 
     /// How far along the ray it passes it.
