@@ -13,6 +13,7 @@ use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
 use super::sight::{Place, Sight, away, reaches, triangles_reach};
+use super::simd;
 use crate::format::Views;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
@@ -273,8 +274,10 @@ impl<'a> Detail<'a> {
                 while seen != 0 {
                     let lane = seen.trailing_zeros() as usize;
                     seen &= seen - 1;
-                    if node.child[lane] != u32::MAX {
-                        self.open.push(node.child[lane], boxes.away[lane], boxes.places.of(lane));
+                    let link = node.child[lane];
+                    if link != u32::MAX {
+                        self.fetch(link);
+                        self.open.push(link, boxes.away[lane], boxes.places.of(lane));
                     }
                 }
                 continue;
@@ -298,6 +301,16 @@ impl<'a> Detail<'a> {
                     self.draw_once((triangle, of_lane(backs, lane)), region, &[], &mut drawn, pen);
                 }
             }
+        }
+    }
+
+    /// Has what waits in the memory brought nearer by the time that it is taken.
+    #[inline(always)]
+    fn fetch(&self, link: u32) {
+        if link & Leaf::BIT == 0 {
+            simd::fetch(&self.tables.nodes[link as usize]);
+        } else {
+            simd::fetch(&self.tables.blocks[Leaf::new(link).block()]);
         }
     }
 
