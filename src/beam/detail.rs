@@ -241,6 +241,7 @@ impl<'a> Detail<'a> {
             if node.child[lane] == u32::MAX {
                 continue;
             }
+            self.fetch(node.child[lane]);
             let mut at = self.stack.len() - bottom;
             self.stack.push(node.child[lane]);
             while at > 0 && order[at - 1] < away[lane] {
