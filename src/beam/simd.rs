@@ -144,15 +144,7 @@ macro_rules! look_by_kernel {
 #[inline(always)]
 pub(super) fn fetch<T>(of: &T) {
     #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        /// A line of the cache, bytes.
-        const LINE: usize = 64;
-        for at in (0..size_of::<T>()).step_by(LINE) {
-            // SAFETY: it is part of every x86-64, and reads nothing; all of it is within `of`.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(of).cast::<i8>().add(at)) };
-        }
-    }
+    crate::trace::fetch(of);
     #[cfg(not(target_arch = "x86_64"))]
     let _ = of;
 }

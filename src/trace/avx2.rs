@@ -331,12 +331,14 @@ fn bundle_here(ask: Ask, tables: &Views, rays: &[Ray], cells: &mut [u32], answer
     packet::bundle::<Avx2>(ask, tables, rays, cells, answers)
 }
 
-/// Has the processor fetch rays that are looked at next: they come in the order of memory, but a block at a time, too seldom for it to foresee that.
-#[inline]
-pub(super) fn fetch(rays: &[Ray]) {
-    for ray in rays {
-        // SAFETY: it is part of every x86-64, and reads nothing.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(ray).cast()) };
+/// Has the processor fetch what is looked at soon, where it cannot foresee that.
+#[inline(always)]
+pub(crate) fn fetch<T>(of: &T) {
+    /// A line of the cache, bytes.
+    const LINE: usize = 64;
+    for at in (0..size_of::<T>()).step_by(LINE) {
+        // SAFETY: it is part of every x86-64, and reads nothing; all of it is within `of`.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(of).cast::<i8>().add(at)) };
     }
 }
 

@@ -163,7 +163,7 @@ impl Kernel {
         }
     }
 
-    /// Fetches rays that are looked at next.
+    /// Fetches rays that are looked at next: they come in the order of memory, but a block at a time, too seldom for the processor to foresee that.
     #[inline]
     pub(super) fn fetch(self, rays: &[Ray]) {
         match self.0 {
@@ -171,7 +171,7 @@ impl Kernel {
                 let _ = rays;
             }
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 | Set::Avx512 => avx2::fetch(rays),
+            Set::Avx2 | Set::Avx512 => rays.iter().for_each(avx2::fetch),
         }
     }
 

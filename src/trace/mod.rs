@@ -30,6 +30,8 @@ mod step;
 mod through;
 mod walk;
 
+#[cfg(all(target_arch = "x86_64", feature = "render"))]
+pub(crate) use avx2::fetch;
 pub use batch::Starts;
 pub(crate) use columns::Columns;
 pub use cost::{Cost, Costs};
