@@ -155,7 +155,6 @@ pub(crate) struct Hidden<'a> {
 
 impl Hidden<'_> {
     /// Whether the eye is within any.
-    #[cfg(all(test, feature = "compile"))]
     pub(super) fn is_within_any(&self) -> bool {
         !self.around.is_empty()
     }

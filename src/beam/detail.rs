@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::backs::Hidden;
+use super::facets::Facets;
 use super::joined::{Joined, MOST_CORNERS, Once, Polygon};
 use super::kernels::{Bound, Deep, Kernels};
 use super::outer::{Group, Outer};
@@ -200,6 +201,10 @@ impl<'a> Detail<'a> {
         }
     }
 
+    pub(super) fn hidden(&self) -> &Hidden<'a> {
+        self.hidden
+    }
+
     /// Gives `pen` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
     pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
@@ -305,6 +310,56 @@ impl<'a> Detail<'a> {
         }
     }
 
+    /// The same of polygons, each of which is there once.
+    pub(super) fn draw_facets(
+        &mut self,
+        region: &Region,
+        facets: &Facets,
+        kernels: Kernels,
+        pen: &mut impl Pen,
+    ) {
+        let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        self.open.clear();
+        if !facets.nodes.is_empty() {
+            self.open.push(0, 0.0, Place::ANYWHERE);
+        }
+        while let Some((link, place)) = self.open.pop() {
+            if !place.is_anywhere() && pen.hides(&place) {
+                continue;
+            }
+            if link & Leaf::BIT != 0 {
+                let facet = facets.facet(link);
+                let corners = facets.corners(facet);
+                let mut world = [DVec3::ZERO; MOST_CORNERS];
+                for (world, &corner) in world.iter_mut().zip(corners) {
+                    *world = DVec3::from(corner) - self.screen.eye;
+                }
+                let of = (facet.triangle, self.hidden.of(facet.triangle));
+                self.polygon(of, (&world[..corners.len()], Some(facet.normal)), region, &[], &mut drawn, pen);
+                continue;
+            }
+            let (node, planes) = (&facets.nodes[link as usize], &facets.planes[link as usize]);
+            let boxes = kernels.look_at_boxes(&self.sight, node, region, &frustum);
+            let mut seen = boxes.seen;
+            if planes.which != 0 && !self.hidden.is_within_any() {
+                seen &= !self.sight.behind(planes);
+            }
+            while seen != 0 {
+                let lane = seen.trailing_zeros() as usize;
+                seen &= seen - 1;
+                let link = node.child[lane];
+                if link != u32::MAX {
+                    if link & Leaf::BIT == 0 {
+                        simd::fetch(&facets.nodes[link as usize]);
+                    } else {
+                        simd::fetch(facets.facet(link));
+                    }
+                    self.open.push(link, boxes.away[lane], boxes.places.of(lane));
+                }
+            }
+        }
+    }
+
     /// Has what waits in the memory brought nearer by the time that it is taken.
     #[inline(always)]
     fn fetch(&self, link: u32) {
@@ -372,12 +427,20 @@ impl<'a> Detail<'a> {
         match pen.joined().map(|joined| joined.of(tables, triangle)) {
             Some(Polygon { lead, corners }) if self.once.insert(lead) => {
                 // Taken out of what the pen has.
-                let (mut all, count) = ([0; MOST_CORNERS], corners.len().min(MOST_CORNERS));
-                all[..count].copy_from_slice(&corners[..count]);
-                self.polygon(of, &all[..count], region, exits, drawn, pen);
+                let (mut world, count) = ([DVec3::ZERO; MOST_CORNERS], corners.len().min(MOST_CORNERS));
+                for (world, &corner) in world.iter_mut().zip(corners) {
+                    *world = DVec3::from(tables.vertices[corner as usize]) - self.screen.eye;
+                }
+                self.polygon(of, (&world[..count], None), region, exits, drawn, pen);
             }
             Some(_) => {}
-            None => self.polygon(of, &tables.triangles[triangle as usize], region, exits, drawn, pen),
+            None => {
+                let mut world = [DVec3::ZERO; 3];
+                for (world, &corner) in world.iter_mut().zip(&tables.triangles[triangle as usize]) {
+                    *world = DVec3::from(tables.vertices[corner as usize]) - self.screen.eye;
+                }
+                self.polygon(of, (&world, None), region, exits, drawn, pen);
+            }
         }
     }
 
@@ -386,21 +449,20 @@ impl<'a> Detail<'a> {
     fn polygon(
         &self,
         (triangle, [left, right]): (u32, [bool; 2]),
-        corners: &[u32],
+        (world, normal): (&[DVec3], Option<DVec3>),
         region: &Region,
         exits: &[Plane],
         drawn: &mut Drawn,
         pen: &mut impl Pen,
     ) {
-        let (mut world, mut seen) = ([DVec3::ZERO; MOST_CORNERS], [DVec3::ZERO; MOST_CORNERS]);
+        let mut seen = [DVec3::ZERO; MOST_CORNERS];
         let (mut is_before, mut is_behind) = (true, true);
-        for (i, &corner) in corners.iter().enumerate() {
-            world[i] = DVec3::from(self.tables.vertices[corner as usize]) - self.screen.eye;
-            seen[i] = self.camera * world[i];
-            is_before &= seen[i].z > FRONT;
-            is_behind &= seen[i].z <= 0.0;
+        for (seen, &world) in seen.iter_mut().zip(world) {
+            *seen = self.camera * world;
+            is_before &= seen.z > FRONT;
+            is_behind &= seen.z <= 0.0;
         }
-        let (world, seen) = (&world[..corners.len()], &seen[..corners.len()]);
+        let seen = &seen[..world.len()];
         let (mut rows, mut nearest) = (region.rows, f64::INFINITY);
         if is_before {
             let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -457,12 +519,14 @@ impl<'a> Detail<'a> {
         }
         drawn.triangle = triangle;
         drawn.rows = rows;
-        drawn.count = corners.len() - 2;
-        let mut normal = DVec3::ZERO;
-        for pair in world[1..].windows(2) {
-            normal += (pair[0] - world[0]).cross(pair[1] - world[0]);
-        }
-        drawn.normal = normal.normalize_or_zero();
+        drawn.count = world.len() - 2;
+        drawn.normal = normal.unwrap_or_else(|| {
+            let mut normal = DVec3::ZERO;
+            for pair in world[1..].windows(2) {
+                normal += (pair[0] - world[0]).cross(pair[1] - world[0]);
+            }
+            normal.normalize_or_zero()
+        });
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
         pen.draw(drawn);

@@ -11,6 +11,7 @@ pub(crate) mod backs;
 pub(crate) mod check;
 pub(crate) mod cover;
 pub(crate) mod detail;
+mod facets;
 pub(crate) mod glass;
 #[cfg(all(test, feature = "compile"))]
 mod glass_tests;
@@ -33,7 +34,7 @@ pub(crate) mod walk;
 pub(crate) mod wide;
 
 use std::ops::{AddAssign, Deref};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use backs::{Backs, Hidden};
 pub use check::Differences;
@@ -42,6 +43,7 @@ use cover::Depths;
 use detail::Detail;
 use glass::Layers;
 use hull::Hull;
+use facets::Facets;
 use joined::{Joined, Once};
 use kernels::Kernels;
 use outer::Outer;
@@ -110,6 +112,7 @@ struct Kept {
     /// Not in use.
     works: Mutex<Vec<Work>>,
     joined: Joined,
+    facets: OnceLock<Facets>,
     outer: Outer,
     hull: Hull,
     backs: Backs,
@@ -151,6 +154,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             partings: Partings::new(scene.tables.cells.len()),
             works: Mutex::new(Vec::new()),
             joined: Joined::new(scene.tables.runs.len()),
+            facets: OnceLock::new(),
             outer: Outer::new(&scene),
             hull: Hull::new(),
             backs: Backs::new(&scene.tables, &looks),
@@ -378,6 +382,7 @@ impl Work {
             cover,
             looks: &kept.looks,
             joined: &kept.joined,
+            facets: Some(&kept.facets),
             square: square(&shot.screen),
             sky: SKY_COLOR,
             layers: &mut self.layers,

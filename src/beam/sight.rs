@@ -2,6 +2,7 @@
 
 use glam::{DMat3, Vec3};
 
+use super::facets::Planes;
 use super::rows::Region;
 use super::wide::MAGIC;
 use crate::format::records::{BlockRecord, LANES, NodeRecord};
@@ -274,6 +275,16 @@ impl Sight {
         let is_left = each!(false, |i| away.0[i] < -off.0[i]);
         let is_right = each!(false, |i| away.0[i] > off.0[i]);
         left & bits(is_left) | right & bits(is_right)
+    }
+
+    /// Which of some polygons the eye surely sees from that side from which they are left out.
+    #[inline(always)]
+    pub(super) fn behind(&self, planes: &Planes) -> u32 {
+        let along = Eight::along(self.eye, &planes.normal);
+        let away = Eight(planes.away).sub(along);
+        let is_left = each!(false, |i| away.0[i] < -self.slack);
+        let is_right = each!(false, |i| away.0[i] > self.slack);
+        u32::from(planes.backs[0]) & bits(is_left) | u32::from(planes.backs[1]) & bits(is_right)
     }
 
     #[inline(always)]

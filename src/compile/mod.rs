@@ -6,6 +6,7 @@
 
 mod building;
 mod bvh;
+pub(crate) use bvh::hierarchy_over;
 mod cell_grid;
 mod compact;
 mod crossing;

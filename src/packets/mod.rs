@@ -256,6 +256,7 @@ impl Work {
             cover,
             looks: shot.looks,
             joined: shot.joined,
+            facets: None,
             square: shot.square,
             sky: SKY_COLOR,
             // Glass is opaque.
