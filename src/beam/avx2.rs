@@ -2,16 +2,16 @@
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
-    __m128i, __m256, __m256d, __m256i, _CMP_GT_OQ, _mm_castsi128_ps, _mm_cmpeq_epi32, _mm_cmplt_epi32,
-    _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32, _mm_movemask_ps, _mm_set1_epi32, _mm_setzero_si128,
-    _mm_sllv_epi32, _mm_storeu_si128, _mm_sub_epi32, _mm256_add_epi16, _mm256_add_pd, _mm256_add_ps,
-    _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32,
-    _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd,
-    _mm256_mul_ps, _mm256_mulhrs_epi16, _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi16,
-    _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_setr_epi16, _mm256_setr_epi32, _mm256_setr_pd,
-    _mm256_setr_ps, _mm256_slli_epi32, _mm256_srli_epi16, _mm256_storeu_ps, _mm256_storeu_si256,
-    _mm256_sub_epi16,
+    __m128i, __m256, __m256d, __m256i, _CMP_GT_OQ, _mm_and_si128, _mm_blendv_epi8, _mm_castsi128_ps,
+    _mm_cmpeq_epi32, _mm_cmplt_epi32, _mm_cvtsi128_si32, _mm_loadu_si128, _mm_max_epi32, _mm_min_epi32,
+    _mm_movemask_ps, _mm_set1_epi32, _mm_setr_epi32, _mm_setzero_si128, _mm_shuffle_epi32, _mm_sllv_epi32,
+    _mm_storeu_si128, _mm_sub_epi32, _mm256_add_epi16, _mm256_add_pd, _mm256_add_ps, _mm256_and_si256,
+    _mm256_andnot_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
+    _mm256_ceil_pd, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtpd_epi32, _mm256_fmadd_ps, _mm256_loadu_ps,
+    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_mulhrs_epi16,
+    _mm256_or_si256, _mm256_rsqrt_ps, _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps,
+    _mm256_setr_epi16, _mm256_setr_epi32, _mm256_setr_pd, _mm256_setr_ps, _mm256_slli_epi32,
+    _mm256_srli_epi16, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi16,
 };
 
 use super::simd::entries;
@@ -286,6 +286,36 @@ impl Columns for Avx2Columns {
             let low = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(a, c))) as u32;
             let high = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(b, d))) as u32;
             low | high << 4
+        }
+    }
+    #[inline(always)]
+    fn held(self, there: u32, other: i32) -> Self {
+        let [a, b] = self.0;
+        // SAFETY: see `Avx2`.
+        Avx2Columns(unsafe {
+            let (there, other) = (_mm_set1_epi32(there as i32), _mm_set1_epi32(other));
+            let (low, high) = (_mm_setr_epi32(1, 2, 4, 8), _mm_setr_epi32(16, 32, 64, 128));
+            let low = _mm_cmpeq_epi32(_mm_and_si128(there, low), low);
+            let high = _mm_cmpeq_epi32(_mm_and_si128(there, high), high);
+            [_mm_blendv_epi8(other, a, low), _mm_blendv_epi8(other, b, high)]
+        })
+    }
+    #[inline(always)]
+    fn least(self) -> i32 {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let four = _mm_min_epi32(self.0[0], self.0[1]);
+            let two = _mm_min_epi32(four, _mm_shuffle_epi32::<0b01_00_11_10>(four));
+            _mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32::<0b10_11_00_01>(two)))
+        }
+    }
+    #[inline(always)]
+    fn most(self) -> i32 {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let four = _mm_max_epi32(self.0[0], self.0[1]);
+            let two = _mm_max_epi32(four, _mm_shuffle_epi32::<0b01_00_11_10>(four));
+            _mm_cvtsi128_si32(_mm_max_epi32(two, _mm_shuffle_epi32::<0b10_11_00_01>(two)))
         }
     }
     #[inline(always)]

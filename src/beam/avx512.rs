@@ -3,15 +3,16 @@
 
 use std::arch::x86_64::{
     __m256i, __m512, __m512d, __m512i, _CMP_GT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_POS_INF,
-    _mm256_cmplt_epi32_mask, _mm256_cmpneq_epi32_mask, _mm256_loadu_si256, _mm256_max_epi32,
-    _mm256_min_epi32, _mm256_set1_epi32, _mm256_setzero_si256, _mm256_sllv_epi32, _mm256_storeu_si256,
-    _mm256_sub_epi32, _mm512_abs_ps, _mm512_add_epi16, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512,
-    _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtpd_epi32, _mm512_fmadd_ps, _mm512_loadu_ps,
-    _mm512_loadu_si512, _mm512_mask_max_pd, _mm512_mask_min_pd, _mm512_mask_storeu_epi32,
-    _mm512_mask_storeu_ps, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_mul_ps, _mm512_mulhrs_epi16,
-    _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps, _mm512_set1_epi16, _mm512_set1_epi32,
-    _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps, _mm512_slli_epi32, _mm512_srli_epi16,
-    _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi16,
+    _mm_cvtsi128_si32, _mm_max_epi32, _mm_min_epi32, _mm_shuffle_epi32, _mm256_castsi256_si128,
+    _mm256_cmplt_epi32_mask, _mm256_cmpneq_epi32_mask, _mm256_extracti128_si256, _mm256_loadu_si256,
+    _mm256_mask_blend_epi32, _mm256_max_epi32, _mm256_min_epi32, _mm256_set1_epi32, _mm256_setzero_si256,
+    _mm256_sllv_epi32, _mm256_storeu_si256, _mm256_sub_epi32, _mm512_abs_ps, _mm512_add_epi16, _mm512_add_pd,
+    _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtpd_epi32,
+    _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_max_pd, _mm512_mask_min_pd,
+    _mm512_mask_storeu_epi32, _mm512_mask_storeu_ps, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
+    _mm512_mul_ps, _mm512_mulhrs_epi16, _mm512_or_si512, _mm512_roundscale_pd, _mm512_rsqrt14_ps,
+    _mm512_set1_epi16, _mm512_set1_epi32, _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_pd, _mm512_setr_ps,
+    _mm512_slli_epi32, _mm512_srli_epi16, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi16,
 };
 
 use super::simd::entries;
@@ -194,6 +195,29 @@ impl Columns for Avx512Columns {
     fn less(self, other: Self) -> u32 {
         // SAFETY: see `Avx512`.
         unsafe { _mm256_cmplt_epi32_mask(self.0, other.0) }.into()
+    }
+    #[inline(always)]
+    fn held(self, there: u32, other: i32) -> Self {
+        // SAFETY: see `Avx512`.
+        Avx512Columns(unsafe { _mm256_mask_blend_epi32(there as u8, _mm256_set1_epi32(other), self.0) })
+    }
+    #[inline(always)]
+    fn least(self) -> i32 {
+        // SAFETY: see `Avx512`.
+        unsafe {
+            let four = _mm_min_epi32(_mm256_castsi256_si128(self.0), _mm256_extracti128_si256::<1>(self.0));
+            let two = _mm_min_epi32(four, _mm_shuffle_epi32::<0b01_00_11_10>(four));
+            _mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32::<0b10_11_00_01>(two)))
+        }
+    }
+    #[inline(always)]
+    fn most(self) -> i32 {
+        // SAFETY: see `Avx512`.
+        unsafe {
+            let four = _mm_max_epi32(_mm256_castsi256_si128(self.0), _mm256_extracti128_si256::<1>(self.0));
+            let two = _mm_max_epi32(four, _mm_shuffle_epi32::<0b01_00_11_10>(four));
+            _mm_cvtsi128_si32(_mm_max_epi32(two, _mm_shuffle_epi32::<0b10_11_00_01>(two)))
+        }
     }
     #[inline(always)]
     fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32) {

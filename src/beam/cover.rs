@@ -77,9 +77,15 @@ impl Tile {
     /// Nothing is shown.
     const FREE: Tile = Tile { shown: [0; ROWS], far: 0.0, plane: [0.0; 3], is_plane: false };
 
+    /// Whether all pixels show what is nearer than a plane, whose greatest `1 / t` in it this is, or more.
+    #[inline(always)]
+    pub(super) fn hides(&self, nearest: f32, plane: [f32; 3]) -> bool {
+        nearest <= self.far.abs() || self.is_before(plane)
+    }
+
     /// Whether all pixels show what is nearer than a plane.
     #[inline(always)]
-    pub(super) fn is_before(&self, plane: [f32; 3]) -> bool {
+    fn is_before(&self, plane: [f32; 3]) -> bool {
         let by = [plane[0] - self.plane[0], plane[1] - self.plane[1], plane[2] - self.plane[2]];
         by[2] + (WIDE - 1) as f32 * by[0].max(0.0) + (ROWS - 1) as f32 * by[1].max(0.0) <= 0.0
             && self.far != 0.0

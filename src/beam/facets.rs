@@ -84,23 +84,27 @@ impl Facets {
             facets.all.push(Facet { normal, color, triangle, first, count: polygon.corners.len() as u32 });
         }
         facets.nodes = hierarchy_over(&bounds);
-        facets.planes = facets.nodes.iter().map(|node| {
-            let mut all = Planes::NONE;
-            for (lane, &child) in node.child.iter().enumerate().filter(|(_, child)| **child != NONE) {
-                if child & Leaf::BIT == 0 {
-                    continue;
+        facets.planes = facets
+            .nodes
+            .iter()
+            .map(|node| {
+                let mut all = Planes::NONE;
+                for (lane, &child) in node.child.iter().enumerate().filter(|(_, child)| **child != NONE) {
+                    if child & Leaf::BIT == 0 {
+                        continue;
+                    }
+                    let (normal, away, [left, right]) = planes[(child & !Leaf::BIT) as usize];
+                    all.which |= 1 << lane;
+                    all.backs[0] |= u8::from(left) << lane;
+                    all.backs[1] |= u8::from(right) << lane;
+                    for axis in 0..3 {
+                        all.normal[axis][lane] = normal[axis] as f32;
+                    }
+                    all.away[lane] = away as f32;
                 }
-                let (normal, away, [left, right]) = planes[(child & !Leaf::BIT) as usize];
-                all.which |= 1 << lane;
-                all.backs[0] |= u8::from(left) << lane;
-                all.backs[1] |= u8::from(right) << lane;
-                for axis in 0..3 {
-                    all.normal[axis][lane] = normal[axis] as f32;
-                }
-                all.away[lane] = away as f32;
-            }
-            all
-        }).collect();
+                all
+            })
+            .collect();
         facets
     }
 

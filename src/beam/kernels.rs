@@ -231,8 +231,7 @@ pub(super) fn split<W: Wide>(
         let column = W::Columns::load(&eight(&column));
         (least, most) = (least.min(column), most.max(column));
     }
-    let (least, most) = (least.store(), most.store());
-    [least.into_iter().fold(i32::MAX, i32::min), most.into_iter().fold(i32::MIN, i32::max)]
+    [least.least(), most.most()]
 }
 
 /// A line of the picture as a border of rows: the first column that is not left of it is `start + slope * row`, rounded up.
@@ -496,7 +495,7 @@ pub(super) fn melt<W: Wide>(
 /// What becomes of a triangle in the rows of tiles.
 trait Ink {
     /// Those rows of one row of tiles that are `there`, row i after `row` as bit i, between their borders.
-    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [[i32; ROWS]; 2]);
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [W::Columns; 2]);
 }
 
 /// Follows a triangle through some rows of the picture, the first of all being `top`.
@@ -521,7 +520,7 @@ fn follow<W: Wide>([lo, hi]: [&[i32]; 2], top: i32, rows: [i32; 2], deep: &Deep,
         // Rows after the last are not of this triangle.
         let there = lo.less(hi) & (u32::MAX >> (32 - count));
         if there != 0 {
-            ink.tiles::<W>(row, there, [lo.store(), hi.store()]);
+            ink.tiles::<W>(row, there, [lo, hi]);
         }
         row += count;
     }
@@ -536,7 +535,7 @@ struct Drawing<'d, 'c, T> {
 
 impl<T: Tint> Ink for Drawing<'_, '_, T> {
     #[inline(always)]
-    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [[i32; ROWS]; 2]) {
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, borders: [W::Columns; 2]) {
         draw_tiles::<W, T>(self.cover, row, there, borders, self.deep, self.tint);
     }
 }
@@ -550,7 +549,8 @@ struct Glazing<'d, 'c> {
 
 impl Ink for Glazing<'_, '_> {
     #[inline(always)]
-    fn tiles<W: Wide>(&mut self, row: i32, there: u32, [lo, hi]: [[i32; ROWS]; 2]) {
+    fn tiles<W: Wide>(&mut self, row: i32, there: u32, [lo, hi]: [W::Columns; 2]) {
+        let (lo, hi) = (lo.store(), hi.store());
         let Glazing { cover, deep, layers } = self;
         let (blocks, below) = (Cover::blocks(cover.width), (row - cover.top) as usize);
         let step = W::splat(deep.near[0] as f32);
@@ -593,48 +593,50 @@ fn draw_tiles<W: Wide, T: Tint>(
     cover: &mut Cover<'_>,
     row: i32,
     there: u32,
-    [mut lo, mut hi]: [[i32; ROWS]; 2],
+    [lo, hi]: [W::Columns; 2],
     deep: &Deep,
     tint: &T,
 ) {
+    let borders = [lo.held(there, i32::MAX), hi.held(there, 0)];
     // The columns of any row, and those of all.
-    let (mut left, mut right) = (i32::MAX, 0);
-    let [mut inner_left, mut inner_right] = [0, i32::MAX];
-    for i in 0..ROWS {
-        let is_there = there >> i & 1 != 0;
-        lo[i] = if is_there { lo[i] } else { i32::MAX };
-        hi[i] = if is_there { hi[i] } else { 0 };
-        left = left.min(lo[i]);
-        right = right.max(hi[i]);
-        inner_left = inner_left.max(lo[i]);
-        inner_right = inner_right.min(hi[i]);
-    }
+    let (left, right) = (borders[0].least(), borders[1].most());
+    let (inner_left, inner_right) = (borders[0].most(), borders[1].least());
     let (width, blocks) = (cover.width, Cover::blocks(cover.width));
     let below = (row - cover.top) as usize;
     let (tiles, above) = (below / ROWS * blocks, below % ROWS);
-    cover.drawn[below / ROWS] = true;
     let start = deep.near[1] * f64::from(row) + deep.near[2];
     // Where in a tile it is nearest.
     let ahead = deep.near[0].max(0.0) * (WIDE - 1) as f64 + deep.near[1].max(0.0) * (ROWS - 1) as f64;
-    let behind = deep.near[0].min(0.0) * (WIDE - 1) as f64 + deep.near[1].min(0.0) * (ROWS - 1) as f64;
     // From the first row of the tile on.
     let before = deep.near[1] * above as f64;
     let slopes = [deep.near[0] as f32, deep.near[1] as f32];
+    let of = [left as usize / WIDE, (right as usize).div_ceil(WIDE)];
+    // Most rows of tiles show nothing of what is drawn late: what takes time comes after.
+    let mut from = of[0];
+    loop {
+        let Some(tile) = cover.tiles[tiles..].get(from).filter(|_| from < of[1]) else { return };
+        let corner = deep.near[0] * (from * WIDE) as f64 + start;
+        let nearest = (corner + ahead).min(deep.nearest) as f32;
+        if !tile.hides(nearest, [slopes[0], slopes[1], (corner - before) as f32]) {
+            break;
+        }
+        from += 1;
+    }
+    cover.drawn[below / ROWS] = true;
+    let behind = deep.near[0].min(0.0) * (WIDE - 1) as f64 + deep.near[1].min(0.0) * (ROWS - 1) as f64;
     let step = W::splat(slopes[0]);
     let rows = tint.rows(row as f32);
     let wide = [W::load(&rows[0]), W::load(&rows[1])];
     let outer = [[rows[0][0], rows[1][0]], [rows[0][ROWS - 1], rows[1][ROWS - 1]]];
     let ends = W::load(&ENDS);
-    let of = [left as usize / WIDE, (right as usize).div_ceil(WIDE)];
-    let is_even = tint.is_even(outer, [(of[0] * WIDE) as f32, (of[1] * WIDE) as f32]);
-    let borders = [W::Columns::load(&lo), W::Columns::load(&hi)];
-    for block in of[0]..of[1] {
+    let is_even = tint.is_even(outer, [(from * WIDE) as f32, (of[1] * WIDE) as f32]);
+    for block in from..of[1] {
         let (first, at) = (block * WIDE, tiles + block);
         let corner = deep.near[0] * first as f64 + start;
         let tile = &mut cover.tiles[at];
         let nearest = (corner + ahead).min(deep.nearest) as f32;
         let plane = [slopes[0], slopes[1], (corner - before) as f32];
-        if nearest <= tile.far.abs() || tile.is_before(plane) {
+        if tile.hides(nearest, plane) {
             continue;
         }
         let columns = W::splat(first as f32).add(W::count());

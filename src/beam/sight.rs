@@ -149,6 +149,9 @@ impl Eight {
     }
 }
 
+/// The bits of all eight.
+const EVERY: u32 = (1 << LANES) - 1;
+
 /// Bits of what is true.
 #[inline(always)]
 fn bits(is: [bool; LANES]) -> u32 {
@@ -220,7 +223,11 @@ impl Sight {
             }
             extent.add(at);
         }
-        let (seen, places) = self.places(&extent, region, reaches(node, self.eye, frustum, self.slack));
+        let (mut seen, clear, places) = self.places(&extent, region);
+        // Where it is told where in the picture they are, the half-spaces say nothing more.
+        if clear != EVERY {
+            seen &= clear | reaches(node, self.eye, frustum, self.slack);
+        }
         Boxes { seen, places, away: away(node, self.eye) }
     }
 
@@ -250,9 +257,15 @@ impl Sight {
         for corner in corners {
             extent.add(corner);
         }
-        // Triangles that rays are not to meet are no numbers: they reach nowhere.
-        let seen = triangles_reach(block, self.eye, frustum, self.slack) & !self.hidden(block, backs);
-        self.places(&extent, region, seen)
+        let (mut seen, clear, places) = self.places(&extent, region);
+        if clear != EVERY {
+            // Triangles that rays are not to meet are no numbers, and not clear: they reach nowhere.
+            seen &= clear | triangles_reach(block, self.eye, frustum, self.slack);
+        }
+        if seen != 0 {
+            seen &= !self.hidden(block, backs);
+        }
+        (seen, places)
     }
 
     /// Which of a block's triangles the eye surely sees from that side from which they are left out: of the first they are where their corners go
@@ -287,8 +300,9 @@ impl Sight {
         u32::from(planes.backs[0]) & bits(is_left) | u32::from(planes.backs[1]) & bits(is_right)
     }
 
+    /// Which of eight show in a region, or are not told where, which are told, and where those are.
     #[inline(always)]
-    fn places(&self, extent: &Extent, region: &Region, seen: u32) -> (u32, Places) {
+    fn places(&self, extent: &Extent, region: &Region) -> (u32, u32, Places) {
         /// Nearer to the eye than so many times what rounding may do, nothing is told.
         const CLEAR: f32 = 64.0;
         /// What rounding may do to columns and rows by themselves.
@@ -297,7 +311,8 @@ impl Sight {
         let inverse = first.inverse();
         let mut places =
             Places { columns: [[0; LANES]; 2], rows: [[0; LANES]; 2], near: [f32::INFINITY; LANES] };
-        let mut is_there = [true; LANES];
+        // What has no corner that is a number is nowhere.
+        let mut is_there = each!(false, |i| extent.first.0[i] < f32::INFINITY);
         for (axis, (to, limits)) in
             [(&mut places.columns, region.columns), (&mut places.rows, region.rows)].into_iter().enumerate()
         {
@@ -315,7 +330,8 @@ impl Sight {
         let clear = Eight::splat(CLEAR * self.off[2]);
         let is_clear = each!(false, |i| first.0[i] > clear.0[i]);
         places.near = each!(0.0, |i| if is_clear[i] { inverse.0[i] * 1.000_001 } else { f32::INFINITY });
-        (seen & (bits(is_there) | !bits(is_clear)), places)
+        let clear = bits(is_clear);
+        (bits(is_there) | EVERY & !clear, clear, places)
     }
 }
 

@@ -68,6 +68,12 @@ pub(crate) trait Columns: Copy {
     fn max(self, other: Self) -> Self;
     /// Where it is less than another, row i as bit i.
     fn less(self, other: Self) -> u32;
+    /// Those rows that are `there`, row i as bit i, and in the others this column.
+    fn held(self, there: u32, other: i32) -> Self;
+    /// Of all rows.
+    fn least(self) -> i32;
+    /// Of all rows.
+    fn most(self) -> i32;
     /// Which of the sixteen columns from the `first` on are from this one up to another, column i as bit i: of each row; and which rows have any. What
     /// is up to a column less than this one is none.
     fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32);
@@ -232,6 +238,18 @@ impl Columns for PortableColumns {
         (0..ROWS).fold(0, |bits, i| bits | u32::from(self.0[i] < other.0[i]) << i)
     }
     #[inline(always)]
+    fn held(self, there: u32, other: i32) -> Self {
+        PortableColumns(each!(ROWS, 0, |i| if there >> i & 1 != 0 { self.0[i] } else { other }))
+    }
+    #[inline(always)]
+    fn least(self) -> i32 {
+        self.0.into_iter().fold(i32::MAX, i32::min)
+    }
+    #[inline(always)]
+    fn most(self) -> i32 {
+        self.0.into_iter().fold(i32::MIN, i32::max)
+    }
+    #[inline(always)]
     fn up_to(self, end: Self, first: i32) -> ([u32; ROWS], u32) {
         let bits = each!(ROWS, 0, |i| {
             let from = (self.0[i] - first).clamp(0, WIDE as i32);
@@ -362,6 +380,12 @@ pub(crate) mod tests {
         assert_eq!(a.min(b).store(), std::array::from_fn(|i| lo[i].min(hi[i])));
         assert_eq!(a.max(b).store(), std::array::from_fn(|i| lo[i].max(hi[i])));
         assert_eq!(a.less(b), 0b1000_0110);
+        assert_eq!(a.held(0b1010_0101, 77).store(), [3, 77, 7, 77, 77, 2, 77, -8]);
+        for turn in 0..ROWS {
+            let turned = |of: [i32; ROWS]| W::Columns::load(&std::array::from_fn(|i| of[(i + turn) % ROWS]));
+            assert_eq!([turned(lo).least(), turned(lo).most()], [-8, 9]);
+            assert_eq!([turned(hi).least(), turned(hi).most()], [-1, 9]);
+        }
         let [a, b] =
             [[3, -9, 20, 36, 19, 16, 40, 9], [5, 90, 30, 40, 20, 17, 90, 4]].map(|c| W::Columns::load(&c));
         assert_eq!(a.up_to(b, 20), ([0, ALL, 0x3ff, 0, 0, 0, 0, 0], 0b110));
