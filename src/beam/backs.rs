@@ -54,6 +54,12 @@ impl Backs {
         Backs { groups, slabs, blocks: blocks.collect(), hidden }
     }
 
+    /// Whether an eye that is in nothing closed sees none of a triangle where it is on that side of it from which its corners go around to the left, and on
+    /// the other.
+    pub(super) fn sides(&self, tables: &Views, triangle: u32) -> [bool; 2] {
+        sides(&self.hidden, tables.run_of[triangle as usize])
+    }
+
     /// What is left out as seen by an eye: in the internal frame, metres.
     pub(crate) fn seen_from<'a>(&'a self, tables: &'a Views, eye: DVec3) -> Hidden<'a> {
         let holds = |[lo, hi]: &[DVec3; 2]| eye.cmpge(lo - CLEAR).all() && eye.cmple(hi + CLEAR).all();
@@ -183,7 +189,12 @@ impl Hidden<'_> {
         if self.around.iter().any(|runs| runs.contains(&run)) {
             return [false; 2];
         }
-        let hidden = self.of.get(run as usize).copied().unwrap_or(0);
-        [hidden == 1, hidden == -1]
+        sides(self.of, run)
     }
+}
+
+/// Whether the triangles of a run are left out where the eye is on their left, and on their right.
+fn sides(hidden: &[i8], run: u32) -> [bool; 2] {
+    let hidden = hidden.get(run as usize).copied().unwrap_or(0);
+    [hidden == 1, hidden == -1]
 }

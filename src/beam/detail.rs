@@ -161,6 +161,8 @@ pub(crate) struct Drawn {
     pub(super) rows: [i32; 2],
     /// Along the internal frame's axes, unit length.
     pub(super) normal: DVec3,
+    /// How it looks, if that is known.
+    pub(super) color: Option<[f32; 3]>,
     pub(super) deep: Deep,
 }
 
@@ -168,7 +170,7 @@ impl Drawn {
     /// Of nothing yet.
     fn new() -> Drawn {
         let deep = Deep { bounds: Vec::new(), near: [0.0; 3], nearest: 0.0 };
-        Drawn { triangle: u32::MAX, count: 0, rows: [0; 2], normal: DVec3::ZERO, deep }
+        Drawn { triangle: u32::MAX, count: 0, rows: [0; 2], normal: DVec3::ZERO, color: None, deep }
     }
 }
 
@@ -199,10 +201,6 @@ impl<'a> Detail<'a> {
             met_blocks: Met(Vec::new()),
             once,
         }
-    }
-
-    pub(super) fn hidden(&self) -> &Hidden<'a> {
-        self.hidden
     }
 
     /// Gives `pen` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
@@ -310,7 +308,7 @@ impl<'a> Detail<'a> {
         }
     }
 
-    /// The same of polygons, each of which is there once.
+    /// The same of all polygons, each of which is there once.
     pub(super) fn draw_facets(
         &mut self,
         region: &Region,
@@ -320,40 +318,36 @@ impl<'a> Detail<'a> {
     ) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.open.clear();
-        if !facets.nodes.is_empty() {
-            self.open.push(0, 0.0, Place::ANYWHERE);
+        if let Some(root) = facets.root() {
+            self.open.push(root, 0.0, Place::ANYWHERE);
         }
         while let Some((link, place)) = self.open.pop() {
             if !place.is_anywhere() && pen.hides(&place) {
                 continue;
             }
             if link & Leaf::BIT != 0 {
-                let facet = facets.facet(link);
-                let corners = facets.corners(facet);
-                let mut world = [DVec3::ZERO; MOST_CORNERS];
+                let (facet, corners) = facets.facet(link);
+                let (mut world, count) = ([DVec3::ZERO; MOST_CORNERS], corners.len().min(MOST_CORNERS));
                 for (world, &corner) in world.iter_mut().zip(corners) {
-                    *world = DVec3::from(corner) - self.screen.eye;
+                    *world = corner - self.screen.eye;
                 }
+                drawn.color = Some(facet.color);
                 let of = (facet.triangle, self.hidden.of(facet.triangle));
-                self.polygon(of, (&world[..corners.len()], Some(facet.normal)), region, &[], &mut drawn, pen);
+                self.polygon(of, (&world[..count], Some(facet.normal)), region, &[], &mut drawn, pen);
                 continue;
             }
-            let (node, planes) = (&facets.nodes[link as usize], &facets.planes[link as usize]);
+            let (node, planes) = facets.node(link);
             let boxes = kernels.look_at_boxes(&self.sight, node, region, &frustum);
             let mut seen = boxes.seen;
-            if planes.which != 0 && !self.hidden.is_within_any() {
+            if !self.hidden.is_within_any() {
                 seen &= !self.sight.behind(planes);
             }
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
                 let link = node.child[lane];
-                if link != u32::MAX {
-                    if link & Leaf::BIT == 0 {
-                        simd::fetch(&facets.nodes[link as usize]);
-                    } else {
-                        simd::fetch(facets.facet(link));
-                    }
+                if link != NONE {
+                    facets.fetch(link);
                     self.open.push(link, boxes.away[lane], boxes.places.of(lane));
                 }
             }

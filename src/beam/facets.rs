@@ -1,127 +1,145 @@
-//! The polygons of a whole scene, and boxes around them, for pictures in which all triangles are drawn from near to far.
+//! The polygons of a whole scene, and boxes around them, for pictures in which all of them are drawn from near to far.
 //!
-//! The hierarchy that rays go through holds triangles, in parts where they are large, eight to a leaf. A picture has more of looking at those than of drawing
-//! what they make: so here each polygon is there once, with all that drawing it takes in one place.
+//! The hierarchy that rays go through holds triangles, eight to a leaf, and large ones in several leaves. Pictures from outside took more time for looking at
+//! those than for drawing what is seen. So each polygon is here once, as a child of a node, with all that is known of it in one place. To gather
+//! them takes as long as a dozen pictures: it pays where there are many.
 
 use glam::DVec3;
 
-use super::backs::Hidden;
+use super::backs::Backs;
 use super::joined::{Joined, Once};
 use super::shade::Looks;
-use crate::compile::hierarchy_over;
+use super::walk::AROUND;
+#[cfg(feature = "compile")]
+use crate::compile::over_boxes;
 use crate::format::Views;
 use crate::format::records::{LANES, Leaf, NodeRecord};
 use crate::trace::NONE;
 
-/// The polygons below a root.
+/// All polygons of a scene.
 pub(crate) struct Facets {
-    /// Node 0 is the root; a child with [`Leaf::BIT`] is a polygon.
-    pub(super) nodes: Vec<NodeRecord>,
-    /// Of each node's children that are polygons the planes.
-    pub(super) planes: Vec<Planes>,
+    /// The root is the first; a child with [`Leaf::BIT`] is the polygon of that number.
+    nodes: Vec<NodeRecord>,
+    /// Of each node's children that are polygons.
+    planes: Vec<Planes>,
     all: Vec<Facet>,
-    corners: Vec<[f64; 3]>,
+    /// In the internal frame, metres: those of a polygon follow each other.
+    corners: Vec<DVec3>,
 }
 
-/// The planes of some polygons, and which sides of them are never seen.
+/// The planes of up to eight polygons.
 #[derive(Clone, Copy)]
 pub(super) struct Planes {
-    /// Unit normals.
+    /// Unit normals, to the side from which the corners go around counter-clockwise.
     pub(super) normal: [[f32; LANES]; 3],
     /// How far along them from the scene's center, metres.
     pub(super) away: [f32; LANES],
-    /// Those that are left out where the eye is on the left, and on the right; child i as bit i.
+    /// Those that are left out where the eye is on their left, and on their right; child i as bit i.
     pub(super) backs: [u8; 2],
-    /// Children that are polygons.
-    pub(super) which: u8,
 }
 
 impl Planes {
-    const NONE: Planes = Planes { normal: [[0.0; LANES]; 3], away: [0.0; LANES], backs: [0; 2], which: 0 };
+    const NONE: Planes = Planes { normal: [[0.0; LANES]; 3], away: [0.0; LANES], backs: [0; 2] };
 }
 
 /// A polygon.
 pub(super) struct Facet {
     /// Unit length.
     pub(super) normal: DVec3,
+    /// Red, green and blue where it faces the lamp, at most 255 each.
     pub(super) color: [f32; 3],
     /// One of its triangles.
     pub(super) triangle: u32,
+    /// Where its corners are.
     first: u32,
     count: u32,
 }
 
 impl Facets {
-    /// Those below a root of a scene, in which no eye is within what hides backs.
-    pub(super) fn new(tables: &Views, root: u32, joined: &Joined, looks: &Looks, hidden: &Hidden) -> Facets {
-        let mut facets =
-            Facets { nodes: Vec::new(), planes: Vec::new(), all: Vec::new(), corners: Vec::new() };
+    /// Those of a scene. None where no hierarchy can be made: without the feature `compile`, or if it would be nested too deeply.
+    pub(super) fn new(tables: &Views, joined: &Joined, looks: &Looks, backs: &Backs) -> Option<Facets> {
+        if !cfg!(feature = "compile") {
+            return None;
+        }
         let center = DVec3::from(tables.scene[0].center);
-        let (mut once, mut bounds, mut planes) = (Once::new(), Vec::new(), Vec::new());
+        let (mut all, mut corners, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+        let mut once = Once::new();
         once.begin(tables.triangles.len());
-        for triangle in triangles_below(tables, root) {
+        for triangle in met(tables) {
             let polygon = joined.of(tables, triangle);
             if !once.insert(polygon.lead) {
                 continue;
             }
-            let first = facets.corners.len() as u32;
-            facets.corners.extend(polygon.corners.iter().map(|&corner| tables.vertices[corner as usize]));
-            let corners = &facets.corners[first as usize..];
-            let from = DVec3::from(corners[0]);
-            let normal: DVec3 = corners[1..]
-                .windows(2)
-                .map(|pair| (DVec3::from(pair[0]) - from).cross(DVec3::from(pair[1]) - from))
-                .sum();
-            let normal = normal.normalize_or_zero();
-            let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            for &corner in corners {
-                let corner = DVec3::from(corner) - center;
-                (lo, hi) = (lo.min(corner), hi.max(corner));
-            }
-            bounds.push([lo.as_vec3().to_array(), hi.as_vec3().to_array()]);
-            planes.push((normal, normal.dot(from - center), hidden.of(triangle)));
-            let color = looks.of(tables, triangle);
-            facets.all.push(Facet { normal, color, triangle, first, count: polygon.corners.len() as u32 });
+            let first = corners.len();
+            corners.extend(polygon.corners.iter().map(|&v| DVec3::from(tables.vertices[v as usize])));
+            let own = &corners[first..];
+            let normal: DVec3 =
+                own[1..].windows(2).map(|pair| (pair[0] - own[0]).cross(pair[1] - own[0])).sum();
+            let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+            let [lo, hi] = own.iter().fold(start, |[lo, hi], corner| [lo.min(*corner), hi.max(*corner)]);
+            bounds.push([lo, hi].map(|corner| (corner - center).as_vec3().to_array()));
+            all.push(Facet {
+                normal: normal.normalize_or_zero(),
+                color: looks.of(tables, triangle),
+                triangle,
+                first: first as u32,
+                count: own.len() as u32,
+            });
         }
-        facets.nodes = hierarchy_over(&bounds);
-        facets.planes = facets
-            .nodes
-            .iter()
-            .map(|node| {
-                let mut all = Planes::NONE;
-                for (lane, &child) in node.child.iter().enumerate().filter(|(_, child)| **child != NONE) {
-                    if child & Leaf::BIT == 0 {
-                        continue;
-                    }
-                    let (normal, away, [left, right]) = planes[(child & !Leaf::BIT) as usize];
-                    all.which |= 1 << lane;
-                    all.backs[0] |= u8::from(left) << lane;
-                    all.backs[1] |= u8::from(right) << lane;
-                    for axis in 0..3 {
-                        all.normal[axis][lane] = normal[axis] as f32;
-                    }
-                    all.away[lane] = away as f32;
+        let mut facets = Facets { nodes: over_boxes(&bounds)?, planes: Vec::new(), all, corners };
+        let planes = |node: &NodeRecord| {
+            let mut planes = Planes::NONE;
+            for (lane, &link) in node.child.iter().enumerate() {
+                if link == NONE || link & Leaf::BIT == 0 {
+                    continue;
                 }
-                all
-            })
-            .collect();
-        facets
+                let (facet, corners) = facets.facet(link);
+                for axis in 0..3 {
+                    planes.normal[axis][lane] = facet.normal[axis] as f32;
+                }
+                planes.away[lane] = facet.normal.dot(corners[0] - center) as f32;
+                let sides = backs.sides(tables, facet.triangle);
+                for (backs, is_hidden) in planes.backs.iter_mut().zip(sides) {
+                    *backs |= u8::from(is_hidden) << lane;
+                }
+            }
+            planes
+        };
+        facets.planes = facets.nodes.iter().map(planes).collect();
+        Some(facets)
+    }
+
+    /// The link of the root, if there is any polygon.
+    pub(super) fn root(&self) -> Option<u32> {
+        (!self.nodes.is_empty()).then_some(0)
     }
 
     #[inline(always)]
-    pub(super) fn facet(&self, link: u32) -> &Facet {
-        &self.all[(link & !Leaf::BIT) as usize]
+    pub(super) fn node(&self, link: u32) -> (&NodeRecord, &Planes) {
+        (&self.nodes[link as usize], &self.planes[link as usize])
     }
 
+    /// A polygon and its corners.
     #[inline(always)]
-    pub(super) fn corners(&self, facet: &Facet) -> &[[f64; 3]] {
-        &self.corners[facet.first as usize..][..facet.count as usize]
+    pub(super) fn facet(&self, link: u32) -> (&Facet, &[DVec3]) {
+        let facet = &self.all[(link & !Leaf::BIT) as usize];
+        (facet, &self.corners[facet.first as usize..][..facet.count as usize])
+    }
+
+    /// Has what waits in the memory brought nearer.
+    #[inline(always)]
+    pub(super) fn fetch(&self, link: u32) {
+        if link & Leaf::BIT == 0 {
+            super::simd::fetch(&self.nodes[link as usize]);
+        } else {
+            super::simd::fetch(&self.all[(link & !Leaf::BIT) as usize]);
+        }
     }
 }
 
-/// All triangles below a root that rays are to meet, in order.
-fn triangles_below(tables: &Views, root: u32) -> Vec<u32> {
-    let (mut stack, mut all) = (vec![root], Vec::new());
+/// All triangles that rays are to meet, in order.
+fn met(tables: &Views) -> Vec<u32> {
+    let (mut stack, mut all) = (vec![tables.cells[AROUND as usize].root], Vec::new());
     while let Some(link) = stack.pop() {
         if link == NONE {
             continue;
@@ -132,10 +150,17 @@ fn triangles_below(tables: &Views, root: u32) -> Vec<u32> {
         }
         let leaf = Leaf::new(link);
         let block = &tables.blocks[leaf.block()];
-        let lanes = (0..LANES).filter(|lane| leaf.mask() >> lane & 1 != 0);
-        all.extend(lanes.filter(|&lane| !block.corner[0][lane].is_nan()).map(|lane| block.triangle[lane]));
+        // Others are no numbers.
+        let is_met = |lane: &usize| leaf.mask() >> lane & 1 != 0 && !block.corner[0][*lane].is_nan();
+        all.extend((0..LANES).filter(is_met).map(|lane| block.triangle[lane]));
     }
     all.sort_unstable();
     all.dedup();
     all
+}
+
+/// Needs `obvhs`.
+#[cfg(not(feature = "compile"))]
+fn over_boxes(_: &[[[f32; 3]; 2]]) -> Option<Vec<NodeRecord>> {
+    None
 }

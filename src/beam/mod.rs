@@ -34,7 +34,7 @@ pub(crate) mod walk;
 pub(crate) mod wide;
 
 use std::ops::{AddAssign, Deref};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use backs::{Backs, Hidden};
 pub use check::Differences;
@@ -102,6 +102,15 @@ pub struct Beams<S> {
     kept: Kept,
     /// The cell of the last eye: the next is likely there, too.
     last: u32,
+    many: Many,
+}
+
+/// What is worth it only for many pictures.
+struct Many {
+    /// Pictures so far for which it is of use.
+    pictures: u32,
+    /// None, too, where it cannot be made.
+    facets: Option<Facets>,
 }
 
 /// What is kept from picture to picture.
@@ -112,7 +121,6 @@ struct Kept {
     /// Not in use.
     works: Mutex<Vec<Work>>,
     joined: Joined,
-    facets: OnceLock<Facets>,
     outer: Outer,
     hull: Hull,
     backs: Backs,
@@ -142,6 +150,8 @@ struct Shot<'s> {
     scene: &'s Scene,
     kept: &'s Kept,
     hidden: Hidden<'s>,
+    /// The polygons of the scene, if they are to be drawn from these.
+    facets: Option<&'s Facets>,
 }
 
 impl<S: Deref<Target = Scene>> Beams<S> {
@@ -154,14 +164,13 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             partings: Partings::new(scene.tables.cells.len()),
             works: Mutex::new(Vec::new()),
             joined: Joined::new(scene.tables.runs.len()),
-            facets: OnceLock::new(),
             outer: Outer::new(&scene),
             hull: Hull::new(),
             backs: Backs::new(&scene.tables, &looks),
             looks,
             is_cut_up: is_cut_up(&scene),
         };
-        Beams { scene, kept, last: NONE }
+        Beams { scene, kept, last: NONE, many: Many { pictures: 0, facets: None } }
     }
 
     /// The same by this kernel.
@@ -234,7 +243,10 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, aside);
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
-        let shot = Shot { internal, screen, width, show, start, scene, kept, hidden };
+        let mut shot = Shot { internal, screen, width, show, start, scene, kept, hidden, facets: None };
+        if show == Show::Light && !kept.looks.has_glass() && shot.is_all() {
+            shot.facets = self.many.facets(scene, kept);
+        }
         shot.bands(pixels);
         let mut counts = BeamCounts::default();
         let mut unsure = Vec::new();
@@ -304,6 +316,19 @@ fn is_cut_up(scene: &Scene) -> bool {
     let prisms = Prisms::new(&scene.tables);
     let count = (0..prisms.cells.len() as u32).filter(|&cell| is_exterior(&prisms, cell)).count();
     count.saturating_mul(count) > scene.detail_triangle_count() as usize
+}
+
+impl Many {
+    /// Before so many pictures no polygons are gathered: that takes as long as a dozen pictures, and saves a fourth of each that follows.
+    const FEW: u32 = 4;
+
+    fn facets(&mut self, scene: &Scene, kept: &Kept) -> Option<&Facets> {
+        self.pictures = self.pictures.saturating_add(1);
+        if self.pictures == Many::FEW + 1 {
+            self.facets = Facets::new(&scene.tables, &kept.joined, &kept.looks, &kept.backs);
+        }
+        self.facets.as_ref()
+    }
 }
 
 impl Shot<'_> {
@@ -382,7 +407,7 @@ impl Work {
             cover,
             looks: &kept.looks,
             joined: &kept.joined,
-            facets: Some(&kept.facets),
+            facets: shot.facets,
             square: square(&shot.screen),
             sky: SKY_COLOR,
             layers: &mut self.layers,

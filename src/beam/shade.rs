@@ -1,7 +1,5 @@
 //! From regions to pixels: Lambert's cosine with a lamp at the eye, as eight-bit RGBA; or what each pixel shows, by number.
 
-use std::sync::OnceLock;
-
 use super::cover::Cover;
 use super::detail::{Detail, Drawn, Pen, borders_of};
 use super::facets::Facets;
@@ -75,7 +73,8 @@ pub(crate) struct Canvas<'a, 'd> {
     pub(crate) cover: Cover<'a>,
     pub(crate) looks: &'a Looks,
     pub(crate) joined: &'a Joined,
-    pub(crate) facets: Option<&'a OnceLock<Facets>>,
+    /// All polygons, if they are to be drawn where all triangles are.
+    pub(crate) facets: Option<&'a Facets>,
     pub(crate) square: [f32; 5],
     pub(crate) sky: u32,
     /// What is seen through.
@@ -218,13 +217,10 @@ impl Paint for Canvas<'_, '_> {
     fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]) {
         let (cell, triangles) = of;
         let kernels = self.kernels;
-        let (tables, joined, looks, facets) = (self.tables, self.joined, self.looks, self.facets);
+        let facets = self.facets;
         let (detail, mut pencil) = self.pencil(arena, region, cell);
         match (triangles, facets) {
-            (Triangles::All(root), Some(facets)) if pencil.joined.is_some() => {
-                let facets = facets.get_or_init(|| Facets::new(tables, root, joined, looks, detail.hidden()));
-                detail.draw_facets(region, facets, kernels, &mut pencil);
-            }
+            (Triangles::All(_), Some(facets)) => detail.draw_facets(region, facets, kernels, &mut pencil),
             (Triangles::Below(root), _) => detail.draw(region, root, exits, &mut pencil),
             (Triangles::All(root), _) => detail.draw_all(region, root, kernels, &mut pencil),
             (Triangles::Outer(outer), _) => detail.draw_outer(region, outer, exits, &mut pencil),
@@ -312,7 +308,7 @@ impl Pen for Pencil<'_, '_> {
                     kernels.glaze(borders, self.cover, rows, deep, (layer, self.layers));
                     return;
                 }
-                let color = self.looks.of(self.tables, drawn.triangle);
+                let color = drawn.color.unwrap_or_else(|| self.looks.of(self.tables, drawn.triangle));
                 let shading = Shading::new(grows, self.square, color);
                 kernels.draw(borders, self.cover, rows, deep, &shading);
             }

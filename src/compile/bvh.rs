@@ -119,17 +119,17 @@ pub(super) fn build_over(
     (hierarchy.depth <= MAX_DEPTH).then_some(hierarchy)
 }
 
-/// The nodes of a hierarchy over boxes by themselves, relative to the scene's center: each child is a node, or with [`Leaf::BIT`] a box.
-pub(crate) fn hierarchy_over(bounds: &[[[f32; 3]; 2]]) -> Vec<NodeRecord> {
+/// The nodes of a hierarchy over boxes by themselves, relative to the scene's center: each child is a node, or with [`Leaf::BIT`] a box. `None` if it would
+/// be nested too deeply.
+pub(crate) fn over_boxes(bounds: &[[[f32; 3]; 2]]) -> Option<Vec<NodeRecord>> {
     let parts: Vec<Part> = bounds.iter().map(|&bounds| Part { bounds, depth: 0 }).collect();
-    let mut nodes =
-        build_over(&[], &parts, [0.0; 3], 0.0).map(|hierarchy| hierarchy.nodes).unwrap_or_default();
+    let mut nodes = build_over(&[], &parts, [0.0; 3], 0.0)?.nodes;
     for child in nodes.iter_mut().flat_map(|node| &mut node.child) {
         if *child != NONE && *child & (Leaf::BIT | SUBTREE) == SUBTREE {
             *child = *child & !SUBTREE | Leaf::BIT;
         }
     }
-    nodes
+    Some(nodes)
 }
 
 /// One node over few triangles and parts, eight together at most.

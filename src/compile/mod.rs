@@ -6,7 +6,6 @@
 
 mod building;
 mod bvh;
-pub(crate) use bvh::hierarchy_over;
 mod cell_grid;
 mod compact;
 mod crossing;
@@ -27,6 +26,8 @@ use enfilade_importers::{
     Budget, Cancelled, LightKind, Limits, Model, OverBudget, Role, Untagged, UpAxis, Watch,
 };
 
+#[cfg(feature = "render")]
+pub(crate) use self::bvh::over_boxes;
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
 use crate::derive::{self, DeriveOptions};
