@@ -391,6 +391,14 @@ fn a_ray_on_from_an_edge_went_through_the_other_face_of_that() {
     seeded(130, "scaled-1e-3", Family::Surfaces, 2932);
 }
 
+/// Aside of where they start there was air, and what they enter at once was taken for the surface that they leave, as it is no farther away than that.
+#[test]
+fn rays_on_from_edges_went_through_what_is_nearer_than_they_were_moved() {
+    seeded(165, "house-cad", Family::AlongEdges, 144);
+    seeded(153, "house-cad", Family::AlongEdges, 9864);
+    seeded(1063, "house-damaged", Family::Borders, 7584);
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {

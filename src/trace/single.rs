@@ -352,10 +352,9 @@ impl Scene {
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     // Aside may be behind the surface, which it does not meet from there either.
-                    let behind = surface.as_ref().map(|surface| Surface {
-                        near: surface.near + way.dot(surface.normal).abs(),
-                        ..*surface
-                    });
+                    let behind = surface
+                        .as_ref()
+                        .map(|surface| Surface { aside: way.dot(surface.normal).abs(), ..*surface });
                     ended = among_all(tables, &aside, behind.as_ref(), probe);
                     if let Some(away) = away
                         && self.came_through_matter(&aside, ended.found)
@@ -615,5 +614,5 @@ pub(super) fn surface(start: Start<'_>, line: &Line) -> Option<Surface> {
 #[inline]
 pub(super) fn surface_of(hit: &Hit, origin: DVec3, tmin: f64) -> Surface {
     let near = (ON_PLANE * (1.0 + origin.abs().max_element())).max(OFF * hit.t);
-    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, tmin }
+    Surface { triangle: hit.triangle, normal: DVec3::from(hit.normal), near, aside: 0.0, tmin }
 }

@@ -116,6 +116,8 @@ pub(super) struct Surface {
     pub(super) normal: DVec3,
     /// How far, metres, the ray's origin may be off this surface and those that meet it there, by rounding.
     pub(super) near: f64,
+    /// How far, metres, it may have been moved off its own plane besides.
+    pub(super) aside: f64,
     /// Hits before this do not count, save on solids that the ray enters where it starts.
     pub(super) tmin: f64,
 }
@@ -333,8 +335,9 @@ impl<'s> Query<'s> {
         // Met beside an edge, it is as far off its plane as that.
         let rounded = ROUNDING * self.farthest(walk.scene);
         let mut near = surface.near + rounded;
-        if is_in_plane && depth <= ONE_PLANE * size && walk.are_of_one(index, surface.triangle) {
-            near = near.max(ONE_PLANE);
+        let own = ONE_PLANE.max(near + surface.aside);
+        if is_in_plane && depth <= own * size && walk.are_of_one(index, surface.triangle) {
+            near = own;
         }
         if depth > near * size {
             return t >= surface.tmin;
