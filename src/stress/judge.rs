@@ -90,7 +90,7 @@ impl Judge<'_> {
         {
             return if first.is_tie() { Worth::Tie } else { Worth::ExactOnly };
         }
-        if self.is_limit(ray, answer, |_| true) {
+        if self.is_limit(ray, answer, |_| true, &[*ray]) {
             return Worth::Tie;
         }
         let met = match answer {
@@ -144,7 +144,7 @@ impl Judge<'_> {
         let mut truths = Vec::with_capacity(26);
         for beside in beside(near) {
             if truths.len() == FEW
-                && self.is_limit(ray, answer, |between| self.truth.nearest(between).is_none())
+                && self.is_limit(ray, answer, |between| self.truth.nearest(between).is_none(), &[*ray])
             {
                 return Some(Worth::Tie);
             }
@@ -167,12 +167,23 @@ impl Judge<'_> {
                 return Some(Worth::Tie);
             }
         }
-        beside(far).any(|ray| is_answer(&self.truth.answer(&ray))).then_some(Worth::Beside)
+        if beside(far).any(|ray| is_answer(&self.truth.answer(&ray))) {
+            return Some(Worth::Beside);
+        }
+        // From a surface on, those beside may begin in what it leaves.
+        let all: Vec<Ray> = beside(far).collect();
+        self.is_limit(ray, answer, |_| true, &all).then_some(Worth::Beside)
     }
 
     /// Whether an answer is exact but for what is met within rounding of where the ray starts and ends: what it says is there, and nothing
-    /// between; and the way there is air. `may_be_free` tells soon which rays meet something.
-    fn is_limit(&self, ray: &Ray, answer: &Answer, may_be_free: impl Fn(&Ray) -> bool) -> bool {
+    /// between; and the way there is air. `may_be_free` tells soon which rays meet something. That it is there one of the rays `beside` may tell.
+    fn is_limit(
+        &self,
+        ray: &Ray,
+        answer: &Answer,
+        may_be_free: impl Fn(&Ray) -> bool,
+        beside: &[Ray],
+    ) -> bool {
         let (least, most) = (ray.tmin.max(0.0), ray.tmax);
         let near = rounding(least);
         let (end, element) = match answer {
@@ -192,7 +203,8 @@ impl Judge<'_> {
         let is_air = |t: f64| self.truth.solids_at(at(ray, t)).is_empty();
         let far = if to.is_finite() { to } else { from + 1.0 };
         (is_short || may_be_free(&between))
-            && element.is_none_or(|element| self.truth.meets(ray, element, before, after))
+            && element
+                .is_none_or(|element| beside.iter().any(|ray| self.truth.meets(ray, element, before, after)))
             && (is_short || (self.truth.first(&between).is_none() && is_air(from + 0.5 * (far - from))))
     }
 }

@@ -399,6 +399,13 @@ fn rays_on_from_edges_went_through_what_is_nearer_than_they_were_moved() {
     seeded(1063, "house-damaged", Family::Borders, 7584);
 }
 
+/// Along a wall and past the edge of what lies at its foot, by less than a millionth of the tolerance: those beside begin in the wall.
+#[test]
+fn what_is_beside_where_a_ray_along_a_wall_ends_was_said_to_be_wrong() {
+    seeded(150, "scaled-1e-3", Family::Grazing, 604);
+    seeded(152, "turned-1", Family::Grazing, 8381);
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {
