@@ -406,6 +406,14 @@ fn what_is_beside_where_a_ray_along_a_wall_ends_was_said_to_be_wrong() {
     seeded(152, "turned-1", Family::Grazing, 8381);
 }
 
+/// A door's leaf stands in its opening without a gap: past the edge of the wall, which the ray does not come from within of, it enters the leaf there.
+#[test]
+fn a_ray_past_the_edge_of_a_wall_went_through_what_stands_against_it() {
+    for trial in ["scaled-1e-3", "turned-0"] {
+        seeded(1034, trial, Family::Surfaces, 9648);
+    }
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {

@@ -343,9 +343,7 @@ impl Scene {
                     ended = again(&line, probe);
                 }
                 Begin::At(_) if surface.is_some() && self.comes_by_air(&onward, ended.found.t) => {
-                    // Past the edge of what it does not come from within of.
-                    let tmin = ended.found.t + aside(onward.origin + onward.direction * ended.found.t);
-                    ended = among_all(tables, &Line { tmin, ..onward }, None, probe);
+                    ended = self.past_edge(&onward, ended.found, probe);
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
@@ -380,6 +378,31 @@ impl Scene {
         }
         let is_met = ended.found.triangle != NONE && ended.found.t <= ray.tmax;
         if is_met { self.describe(&line, ended, want) } else { Hit::ESCAPED }
+    }
+
+    /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where another solid
+    /// stands against it, enters that there.
+    fn past_edge<P: Probe>(&self, line: &Line, edge: Found, probe: &mut P) -> Ended {
+        /// More surfaces than this in an edge are not told apart.
+        const MOST: usize = 64;
+        let (tables, walk) = (&self.tables, Walk::new(&self.tables));
+        let aside = aside(line.origin + line.direction * edge.t);
+        let mut query = line.query(tables, None);
+        query.aim(tables.cells[0].root, line.tmax);
+        query.follow((edge.t - aside).max(line.tmin), 0);
+        for _ in 0..MOST {
+            let found = probe.nearest(&walk, &query);
+            if found.triangle == NONE || found.t > edge.t + aside {
+                break;
+            }
+            let [a, b, c] = walk.corners(found.triangle);
+            let enters = (b - a).cross(c - a).dot(line.direction) < 0.0;
+            if enters && !walk.are_of_one(found.triangle, edge.triangle) {
+                return Ended { found, cell: 0, in_matter: false };
+            }
+            query.follow(found.t, found.triangle + 1);
+        }
+        among_all(tables, &Line { tmin: edge.t + aside, ..*line }, None, probe)
     }
 
     /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.

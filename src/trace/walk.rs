@@ -62,7 +62,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Whether two triangles are of one element.
-    fn are_of_one(&self, one: u32, other: u32) -> bool {
+    pub(super) fn are_of_one(&self, one: u32, other: u32) -> bool {
         let element =
             |triangle: u32| self.run_of.get(triangle as usize).map(|&run| self.runs[run as usize].element);
         element(one) == element(other)
