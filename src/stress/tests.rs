@@ -406,6 +406,12 @@ fn what_is_beside_where_a_ray_along_a_wall_ends_was_said_to_be_wrong() {
     seeded(152, "turned-1", Family::Grazing, 8381);
 }
 
+/// From the corner of an opening's top into that, along the opening's side: rounding said that it leaves the top there.
+#[test]
+fn a_ray_on_from_an_openings_corner_met_the_plane_that_it_left() {
+    seeded(1059, "turned-0", Family::AlongEdges, 2248);
+}
+
 /// A door's leaf stands in its opening without a gap: past the edge of the wall, which the ray does not come from within of, it enters the leaf there.
 #[test]
 fn a_ray_past_the_edge_of_a_wall_went_through_what_stands_against_it() {

@@ -372,11 +372,15 @@ impl<'s> Query<'s> {
     /// Whether the ray starts beside an edge of a triangle, by `near`, that it leaves, and that the triangle goes from to behind the surface on
     /// which the ray starts: a face that goes on behind the end of a wall. `side` is the surface's normal on the side to which the ray goes.
     fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: DVec3, near: f64) -> bool {
+        /// It does not leave an edge along which it runs, but for rounding.
+        const ALONG: f64 = 1e-12;
         (0..3).any(|i| {
             let (from, way) = (corners[i], corners[(i + 1) % 3] - corners[i]);
             let inward = normal.cross(way);
             let off = (self.origin - from).dot(inward).abs();
-            off <= near * inward.length() && inward.dot(self.direction) < 0.0 && inward.dot(side) < 0.0
+            off <= near * inward.length()
+                && inward.dot(self.direction) < -ALONG * inward.length()
+                && inward.dot(side) < 0.0
         })
     }
 }
