@@ -412,6 +412,12 @@ fn a_ray_on_from_an_openings_corner_met_the_plane_that_it_left() {
     seeded(1059, "turned-0", Family::AlongEdges, 2248);
 }
 
+/// The end of a wall that is a tenth of a nanometre thick, almost along which the ray runs.
+#[test]
+fn a_sliver_seen_almost_edge_on_was_met_micrometres_too_early() {
+    seeded(1057, "near-coplanar", Family::Edges, 6563);
+}
+
 /// A door's leaf stands in its opening without a gap: past the edge of the wall, which the ray does not come from within of, it enters the leaf there.
 #[test]
 fn a_ray_past_the_edge_of_a_wall_went_through_what_stands_against_it() {

@@ -295,7 +295,13 @@ impl<'s> Query<'s> {
         let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
         let toward = normal.dot(self.direction).abs();
-        if det.abs() <= SLIVER * near * longest.square.sqrt() && toward > 0.1 * normal.length() {
+        let (length, sine) = (longest.square.sqrt(), toward / normal.length());
+        // As wide as it is seen. So far aside its plane is as much nearer or farther as the ray runs along it; and weights are off by what is rounded, as
+        // often as it is longer than wide.
+        let width = det.abs() / length;
+        let is_told_by_side = width <= SLIVER * near && sine > 0.1
+            || width * width <= ROUNDED_WEIGHTS * near * length * sine && sine > EDGE_ON_SINE;
+        if is_told_by_side {
             // So narrow that weights tell less well where than the side does.
             return Some(longest.depth());
         }
@@ -652,6 +658,9 @@ pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 43) as f64;
 
 /// A triangle that is not as many times as wide as what is told apart is met at the depth of its longest side.
 const SLIVER: f64 = 1e4;
+
+/// What weights are off by where they are that of points, of what is told apart.
+const ROUNDED_WEIGHTS: f64 = 1.0 / 64.0;
 
 /// Sine of the angle between a ray and a plane below which roundings aside the ray are too much along it.
 pub(super) const EDGE_ON_SINE: f64 = 1.0 / 1024.0;
