@@ -392,12 +392,14 @@ impl Scene {
         query.follow((edge.t - aside).max(line.tmin), 0);
         for _ in 0..MOST {
             let found = probe.nearest(&walk, &query);
-            if found.triangle == NONE || found.t > edge.t + aside {
-                break;
-            }
-            let [a, b, c] = walk.corners(found.triangle);
-            let enters = (b - a).cross(c - a).dot(line.direction) < 0.0;
-            if enters && !walk.are_of_one(found.triangle, edge.triangle) {
+            let enters = |triangle: u32| {
+                let [a, b, c] = walk.corners(triangle);
+                (b - a).cross(c - a).dot(line.direction) < 0.0
+            };
+            if found.triangle == NONE
+                || found.t > edge.t + aside
+                || enters(found.triangle) && !walk.are_of_one(found.triangle, edge.triangle)
+            {
                 return Ended { found, cell: 0, in_matter: false };
             }
             query.follow(found.t, found.triangle + 1);
