@@ -426,6 +426,19 @@ fn a_ray_past_the_edge_of_a_wall_went_through_what_stands_against_it() {
     }
 }
 
+/// Out of the crack between a wall and a door's frame by the side of the floor there, and along the top of the same floor: half a metre behind that side.
+#[test]
+fn a_ray_along_a_floor_went_through_what_stands_on_it() {
+    seeded(165, "house-cad", Family::Borders, 6100);
+    seeded(167, "house-cad", Family::Borders, 4756);
+}
+
+/// From a board's underside, a tenth of a nanometre over a floor: beside, it began in the board, and came to the floor later than from anywhere before.
+#[test]
+fn a_ray_on_from_a_narrow_gap_began_behind_the_surface_that_it_left() {
+    seeded(149, "near-coplanar", Family::Grazing, 2812);
+}
+
 /// The board stands a millionth of a metre out, less than cells tell, and the ray runs along the wall.
 #[test]
 fn a_ray_along_a_wall_passed_the_edge_of_a_board_on_it() {

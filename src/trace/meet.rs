@@ -53,7 +53,8 @@ impl<'a> Surfaces<'a> {
         let (mut best, tolerance) = (Found { t: f64::INFINITY, triangle: NONE }, self.tolerance);
         // From the other side comes only a ray that rounding has put into the matter.
         let takes = |found: &Found, query: &Query<'_>| {
-            is_near(found, t, tolerance, walk, query) && walk.enters(found.triangle, outward, query.direction)
+            is_near(found, (t, outward), tolerance, walk, query)
+                && walk.enters(found.triangle, outward, query.direction)
         };
         self.meet(source, walk, query, &mut best, probe, takes);
         (best.triangle != NONE).then_some(best)
@@ -132,11 +133,20 @@ pub(super) fn runs_along(prisms: &Prisms<'_>, tolerance: f64, outward: DVec3, di
     !crosses
 }
 
-/// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle.
-fn is_near(found: &Found, t: f64, tolerance: f64, walk: &Walk<'_>, query: &Query<'_>) -> bool {
-    (found.t - t).abs() <= NEAR || {
+/// Whether a hit lies at most `tolerance` from a face that the ray passes at `t`, across the triangle, and, if it comes after that, across the face:
+/// what stands farther behind the face than that is not among the detail of the cell, and may be met before.
+fn is_near(
+    found: &Found,
+    (t, outward): (f64, DVec3),
+    tolerance: f64,
+    walk: &Walk<'_>,
+    query: &Query<'_>,
+) -> bool {
+    let beyond = found.t - t;
+    beyond.abs() <= NEAR || {
         let normal = normal(walk.corners(found.triangle));
-        ((found.t - t) * normal.dot(query.direction)).abs() <= tolerance
+        (beyond * normal.dot(query.direction)).abs() <= tolerance
+            && beyond * outward.dot(query.direction).abs() <= tolerance * outward.length()
     }
 }
 

@@ -347,6 +347,7 @@ impl Scene {
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
+                    let way = away.map_or(way, |surface| self.up_to(surface, &line, way));
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     // Aside may be behind the surface, which it does not meet from there either.
@@ -405,6 +406,19 @@ impl Scene {
             query.follow(found.t, found.triangle + 1);
         }
         among_all(tables, &Line { tmin: edge.t + aside, ..*line }, None, probe)
+    }
+
+    /// A way aside from where a ray starts, before the surface that it goes away from, no farther than to that surface: behind it no air begins, be the
+    /// gap before it as narrow as it may.
+    fn up_to(&self, surface: &Surface, line: &Line, way: DVec3) -> DVec3 {
+        if surface.triangle as usize >= self.tables.triangles.len() {
+            return way;
+        }
+        let [corner, ..] = Walk::new(&self.tables).corners(surface.triangle);
+        let before = |point: DVec3| surface.normal.dot(point - corner);
+        let start = line.origin + line.direction * line.tmin;
+        let (here, there) = (before(start), before(start + way));
+        if here >= 0.0 && there < 0.0 { way - surface.normal * there } else { way }
     }
 
     /// Where the ray itself meets the plane of what one beside it met; there, if it runs too much along it.
