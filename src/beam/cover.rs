@@ -2,10 +2,15 @@
 
 use super::wide::{ALL, ROWS, WIDE, Wide};
 
+/// `1 / t` of the pixels of a tile. A row is one line of the memory: half a line more takes twice as long.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Nears([[f32; WIDE]; ROWS]);
+
 /// What some rows show of triangles, kept from picture to picture.
 pub(crate) struct Depths {
     tiles: Vec<Tile>,
-    near: Vec<[[f32; WIDE]; ROWS]>,
+    near: Vec<Nears>,
     planes: Vec<[f64; 3]>,
     drawn: Vec<bool>,
 }
@@ -35,7 +40,7 @@ impl Depths {
             drawn.resize(rows, false);
         }
         // What these say holds only where tiles say so.
-        near.resize(count, [[0.0; WIDE]; ROWS]);
+        near.resize(count, Nears([[0.0; WIDE]; ROWS]));
         planes.resize(count, [0.0; 3]);
         Cover { width, height, top, pixels, tiles, near, planes, drawn: &mut self.drawn }
     }
@@ -53,7 +58,7 @@ pub(crate) struct Cover<'a> {
     /// Row by row of tiles.
     pub(super) tiles: &'a mut [Tile],
     /// `1 / t` of the detail that each pixel of a tile shows; holds only where it shows any, and not where its plane tells.
-    near: &'a mut [[[f32; WIDE]; ROWS]],
+    near: &'a mut [Nears],
     /// The one plane of which a tile shows a triangle in all pixels, if that [`Tile::is_plane`]: as [`Tile::plane`], exactly.
     planes: &'a mut [[f64; 3]],
     /// Whether each row of tiles shows any detail.
@@ -162,7 +167,7 @@ impl Cover<'_> {
     /// A tile, how near each of its pixels is that shows detail, and the pixels of all.
     #[inline(always)]
     pub(super) fn parts<W: Wide>(&mut self, at: usize) -> (&mut Tile, &mut [[f32; WIDE]; ROWS], &mut [u32]) {
-        let (tile, near) = (&mut self.tiles[at], &mut self.near[at]);
+        let (tile, Nears(near)) = (&mut self.tiles[at], &mut self.near[at]);
         if tile.is_plane {
             tile.is_plane = false;
             let step = W::splat(self.planes[at][0] as f32);
@@ -203,7 +208,7 @@ impl Cover<'_> {
         let all = (ALL >> (WIDE - count)) as u16;
         let rows = (self.height - row * ROWS).min(ROWS);
         let mut least = [f32::INFINITY; WIDE];
-        for (shown, near) in self.tiles[tile].shown[..rows].iter().zip(&self.near[tile]) {
+        for (shown, near) in self.tiles[tile].shown[..rows].iter().zip(&self.near[tile].0) {
             if *shown != all {
                 return 0.0;
             }

@@ -317,6 +317,7 @@ impl<'a> Detail<'a> {
         pen: &mut impl Pen,
     ) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
+        let is_within_any = self.hidden.is_within_any();
         self.open.clear();
         if let Some(root) = facets.root() {
             self.open.push(root, 0.0, Place::ANYWHERE);
@@ -332,20 +333,21 @@ impl<'a> Detail<'a> {
                     *world = corner - self.screen.eye;
                 }
                 drawn.color = Some(facet.color);
-                let of = (facet.triangle, self.hidden.of(facet.triangle));
-                self.polygon(of, (&world[..count], Some(facet.normal)), region, &[], &mut drawn, pen);
+                let backs = if is_within_any { self.hidden.of(facet.triangle) } else { facet.backs() };
+                let of = (facet.triangle, backs);
+                self.polygon(of, (&world[..count], Some(facet.normal())), region, &[], &mut drawn, pen);
                 continue;
             }
-            let (node, planes) = facets.node(link);
-            let boxes = kernels.look_at_boxes(&self.sight, node, region, &frustum);
+            let node = facets.node(link);
+            let boxes = kernels.look_at_boxes(&self.sight, &node.boxes, region, &frustum);
             let mut seen = boxes.seen;
-            if !self.hidden.is_within_any() {
-                seen &= !self.sight.behind(planes);
+            if !is_within_any {
+                seen &= !self.sight.behind(&node.planes);
             }
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
-                let link = node.child[lane];
+                let link = node.boxes.child[lane];
                 if link != NONE {
                     facets.fetch(link);
                     self.open.push(link, boxes.away[lane], boxes.places.of(lane));

@@ -19,12 +19,18 @@ use crate::trace::NONE;
 /// All polygons of a scene.
 pub(crate) struct Facets {
     /// The root is the first; a child with [`Leaf::BIT`] is the polygon of that number.
-    nodes: Vec<NodeRecord>,
-    /// Of each node's children that are polygons.
-    planes: Vec<Planes>,
+    nodes: Vec<Node>,
+    /// Those of a node one after the other.
     all: Vec<Facet>,
-    /// In the internal frame, metres: those of a polygon follow each other.
+    /// Those of the polygons that have more than [`FEW`], in the internal frame, metres: one polygon's follow each other.
     corners: Vec<DVec3>,
+}
+
+/// A node, and the planes of those of its children that are polygons.
+#[repr(align(64))]
+pub(super) struct Node {
+    pub(super) boxes: NodeRecord,
+    pub(super) planes: Planes,
 }
 
 /// The planes of up to eight polygons.
@@ -42,17 +48,48 @@ impl Planes {
     const NONE: Planes = Planes { normal: [[0.0; LANES]; 3], away: [0.0; LANES], backs: [0; 2] };
 }
 
-/// A polygon.
+/// Corners that a polygon keeps with itself.
+const FEW: usize = 4;
+
+/// A polygon: two lines of the memory, fetched ahead, and nothing else is needed to draw most.
+#[derive(Clone, Copy)]
+#[repr(align(128))]
 pub(super) struct Facet {
+    /// Its corners, in the internal frame, metres, if these are no more.
+    few: [DVec3; FEW],
     /// Unit length.
-    pub(super) normal: DVec3,
+    normal: [f32; 3],
     /// Red, green and blue where it faces the lamp, at most 255 each.
     pub(super) color: [f32; 3],
     /// One of its triangles.
     pub(super) triangle: u32,
-    /// Where its corners are.
-    first: u32,
-    count: u32,
+    /// How many corners it has, whether it is left out where the eye is on its left, and on its right, and where its corners are.
+    packed: u32,
+}
+
+const _: () = assert!(size_of::<Facet>() == 128);
+
+impl Facet {
+    const COUNT: u32 = 0xf;
+    const LEFT: u32 = 1 << 4;
+    const RIGHT: u32 = 1 << 5;
+    const FIRST: u32 = 6;
+
+    /// Unit length, to seven digits.
+    #[inline(always)]
+    pub(super) fn normal(&self) -> DVec3 {
+        DVec3::from(self.normal.map(f64::from))
+    }
+
+    /// Whether an eye that is in nothing closed sees none of it from its left, and from its right.
+    #[inline(always)]
+    pub(super) fn backs(&self) -> [bool; 2] {
+        [self.packed & Facet::LEFT != 0, self.packed & Facet::RIGHT != 0]
+    }
+
+    fn count(&self) -> usize {
+        (self.packed & Facet::COUNT) as usize
+    }
 }
 
 impl Facets {
@@ -62,51 +99,63 @@ impl Facets {
             return None;
         }
         let center = DVec3::from(tables.scene[0].center);
-        let (mut all, mut corners, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
-        let mut once = Once::new();
+        let (mut polygons, mut bounds, mut once) = (Vec::new(), Vec::new(), Once::new());
         once.begin(tables.triangles.len());
         for triangle in met(tables) {
             let polygon = joined.of(tables, triangle);
             if !once.insert(polygon.lead) {
                 continue;
             }
-            let first = corners.len();
-            corners.extend(polygon.corners.iter().map(|&v| DVec3::from(tables.vertices[v as usize])));
-            let own = &corners[first..];
-            let normal: DVec3 =
-                own[1..].windows(2).map(|pair| (pair[0] - own[0]).cross(pair[1] - own[0])).sum();
             let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-            let [lo, hi] = own.iter().fold(start, |[lo, hi], corner| [lo.min(*corner), hi.max(*corner)]);
+            let of = |v: &u32| DVec3::from(tables.vertices[*v as usize]);
+            let [lo, hi] =
+                polygon.corners.iter().map(of).fold(start, |[lo, hi], at| [lo.min(at), hi.max(at)]);
             bounds.push([lo, hi].map(|corner| (corner - center).as_vec3().to_array()));
-            all.push(Facet {
-                normal: normal.normalize_or_zero(),
-                color: looks.of(tables, triangle),
-                triangle,
-                first: first as u32,
-                count: own.len() as u32,
-            });
+            polygons.push(triangle);
         }
-        let mut facets = Facets { nodes: over_boxes(&bounds)?, planes: Vec::new(), all, corners };
-        let planes = |node: &NodeRecord| {
+        let (mut all, mut corners) = (Vec::with_capacity(polygons.len()), Vec::new());
+        let mut node = |mut boxes: NodeRecord| {
             let mut planes = Planes::NONE;
-            for (lane, &link) in node.child.iter().enumerate() {
-                if link == NONE || link & Leaf::BIT == 0 {
+            for (lane, link) in boxes.child.iter_mut().enumerate() {
+                if *link == NONE || *link & Leaf::BIT == 0 {
                     continue;
                 }
-                let (facet, corners) = facets.facet(link);
-                for axis in 0..3 {
-                    planes.normal[axis][lane] = facet.normal[axis] as f32;
+                let triangle = polygons[(*link & !Leaf::BIT) as usize];
+                *link = Leaf::BIT | all.len() as u32;
+                let own = joined.of(tables, triangle).corners.iter();
+                let own: Vec<DVec3> = own.map(|&v| DVec3::from(tables.vertices[v as usize])).collect();
+                let normal: DVec3 =
+                    own[1..].windows(2).map(|pair| (pair[0] - own[0]).cross(pair[1] - own[0])).sum();
+                let normal = normal.normalize_or_zero();
+                let sides = backs.sides(tables, triangle);
+                for (axis, of) in planes.normal.iter_mut().enumerate() {
+                    of[lane] = normal[axis] as f32;
                 }
-                planes.away[lane] = facet.normal.dot(corners[0] - center) as f32;
-                let sides = backs.sides(tables, facet.triangle);
+                planes.away[lane] = normal.dot(own[0] - center) as f32;
                 for (backs, is_hidden) in planes.backs.iter_mut().zip(sides) {
                     *backs |= u8::from(is_hidden) << lane;
                 }
+                let mut few = [DVec3::ZERO; FEW];
+                few.iter_mut().zip(&own).for_each(|(few, corner)| *few = *corner);
+                let flags = [Facet::LEFT, Facet::RIGHT].iter().zip(sides);
+                let flags = flags.fold(own.len() as u32, |all, (&bit, is)| all | if is { bit } else { 0 });
+                let first =
+                    u32::try_from(corners.len()).ok().filter(|first| first >> (32 - Facet::FIRST) == 0)?;
+                if own.len() > FEW {
+                    corners.extend(&own);
+                }
+                all.push(Facet {
+                    few,
+                    normal: normal.as_vec3().to_array(),
+                    color: looks.of(tables, triangle),
+                    triangle,
+                    packed: flags | first << Facet::FIRST,
+                });
             }
-            planes
+            Some(Node { boxes, planes })
         };
-        facets.planes = facets.nodes.iter().map(planes).collect();
-        Some(facets)
+        let nodes = over_boxes(&bounds)?.into_iter().map(&mut node).collect::<Option<_>>()?;
+        Some(Facets { nodes, all, corners })
     }
 
     /// The link of the root, if there is any polygon.
@@ -115,15 +164,20 @@ impl Facets {
     }
 
     #[inline(always)]
-    pub(super) fn node(&self, link: u32) -> (&NodeRecord, &Planes) {
-        (&self.nodes[link as usize], &self.planes[link as usize])
+    pub(super) fn node(&self, link: u32) -> &Node {
+        &self.nodes[link as usize]
     }
 
     /// A polygon and its corners.
     #[inline(always)]
     pub(super) fn facet(&self, link: u32) -> (&Facet, &[DVec3]) {
         let facet = &self.all[(link & !Leaf::BIT) as usize];
-        (facet, &self.corners[facet.first as usize..][..facet.count as usize])
+        let count = facet.count();
+        let corners = match facet.few.get(..count) {
+            Some(few) => few,
+            None => &self.corners[(facet.packed >> Facet::FIRST) as usize..][..count],
+        };
+        (facet, corners)
     }
 
     /// Has what waits in the memory brought nearer.
