@@ -180,21 +180,55 @@ impl Cover<'_> {
     }
 
     /// Whether all pixels of some columns and rows show detail nearer than `near`, which is `1 / t`.
-    pub(super) fn hides(&mut self, columns: [i32; 2], rows: [i32; 2], near: f32) -> bool {
+    #[inline(always)]
+    pub(super) fn hides<W: Wide>(&mut self, columns: [i32; 2], rows: [i32; 2], near: f32) -> bool {
         let blocks = Cover::blocks(self.width);
-        let (from, to) = ((rows[0] - self.top) as usize / ROWS, (rows[1] - 1 - self.top) as usize / ROWS);
-        let (left, right) = (columns[0] as usize / WIDE, (columns[1] - 1) as usize / WIDE);
+        let rows = rows.map(|row| (row - self.top) as usize);
+        let columns = columns.map(|column| column as usize);
+        let (from, to) = (rows[0] / ROWS, (rows[1] - 1) / ROWS);
+        let (left, right) = (columns[0] / WIDE, (columns[1] - 1) / WIDE);
         // Not `..=`, which says at each step anew whether it was the last.
         for row in from..to + 1 {
             for block in left..right + 1 {
-                let mut far = self.tiles[row * blocks + block].far;
+                let at = row * blocks + block;
+                let mut far = self.tiles[at].far;
                 if far.abs() < near && far.is_sign_negative() {
                     far = self.farthest(row, block);
-                    self.tiles[row * blocks + block].far = far;
+                    self.tiles[at].far = far;
                 }
-                if far.abs() < near {
+                if far.abs() < near && !self.hides_in_tile::<W>([row, block], columns, rows, near) {
                     return false;
                 }
+            }
+        }
+        true
+    }
+
+    /// The same in one tile, pixel by pixel.
+    #[inline(always)]
+    fn hides_in_tile<W: Wide>(
+        &self,
+        [row, block]: [usize; 2],
+        columns: [usize; 2],
+        rows: [usize; 2],
+        near: f32,
+    ) -> bool {
+        let (first, top) = (block * WIDE, row * ROWS);
+        let columns = columns.map(|column| column.clamp(first, first + WIDE) - first);
+        let rows = rows.map(|row| row.clamp(top, top + ROWS) - top);
+        let at = row * Cover::blocks(self.width) + block;
+        let tile = &self.tiles[at];
+        if tile.is_plane {
+            let [across, down, start] = self.planes[at];
+            let least = |by: f64, [from, to]: [usize; 2]| (by * from as f64).min(by * (to - 1) as f64);
+            return (start + least(across, columns) + least(down, rows)) as f32 * FARTHER >= near;
+        }
+        let mask = (ALL << columns[0]) & (ALL >> (WIDE - columns[1]));
+        let near = W::splat(near);
+        for i in rows[0]..rows[1] {
+            let open = near.greater(W::load(&self.near[at].0[i])) | !u32::from(tile.shown[i]);
+            if mask & open != 0 {
+                return false;
             }
         }
         true
@@ -300,7 +334,7 @@ mod tests {
                     for &(x, y, width, height, limit) in &places {
                         let (x1, y1) = ((x + width).min(SIZE[0]), (y + height).min(SIZE[1]));
                         let rows = [TOP + y as i32, TOP + y1 as i32];
-                        let hides = cover.hides([x as i32, x1 as i32], rows, limit);
+                        let hides = Kernels(kernel).hides(&mut cover, [x as i32, x1 as i32], rows, limit);
                         let pixels = (y..y1).flat_map(|y| (x..x1).map(move |x| (x, y)));
                         let all = pixels.into_iter().all(|(x, y)| near(&mut cover, x, y) >= limit * (1.0 - 1e-6));
                         prop_assert!(!hides || all);

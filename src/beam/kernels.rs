@@ -74,6 +74,18 @@ impl Kernels {
         simd::melt(self.0, layers, cover, square, unsure);
     }
 
+    /// Whether all pixels of some columns and rows of a picture show detail nearer than `near`, which is `1 / t`.
+    #[inline]
+    pub(super) fn hides(
+        self,
+        cover: &mut Cover<'_>,
+        columns: [i32; 2],
+        rows: [i32; 2],
+        near: f32,
+    ) -> bool {
+        simd::hides(self.0, cover, columns, rows, near)
+    }
+
     /// Which of the children of a node show in a region, which has this frustum, and where.
     #[inline]
     pub(super) fn look_at_boxes(
@@ -480,6 +492,11 @@ pub(super) fn glaze<W: Wide>(
 ) {
     layers.begin(layer);
     follow::<W>(borders, cover.top, rows, deep, &mut Glazing { cover, deep, layers });
+}
+
+#[inline(always)]
+pub(super) fn hides<W: Wide>(cover: &mut Cover<'_>, columns: [i32; 2], rows: [i32; 2], near: f32) -> bool {
+    cover.hides::<W>(columns, rows, near)
 }
 
 #[inline(always)]

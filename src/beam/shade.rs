@@ -289,7 +289,7 @@ struct Pencil<'c, 'a> {
 
 impl Pen for Pencil<'_, '_> {
     fn hides(&mut self, place: &Place) -> bool {
-        self.cover.hides(place.columns, place.rows, place.near)
+        self.kernels.hides(self.cover, place.columns, place.rows, place.near)
     }
 
     fn joined(&self) -> Option<&Joined> {

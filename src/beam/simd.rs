@@ -72,6 +72,16 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
+        pub(super) fn hides(
+            cover: &mut super::cover::Cover<'_>,
+            columns: [i32; 2],
+            rows: [i32; 2],
+            near: f32,
+        ) -> bool {
+            super::kernels::hides::<$wide>(cover, columns, rows, near)
+        }
+
+        #[target_feature(enable = $features)]
         pub(super) fn boxes(
             sight: &super::sight::Sight,
             node: &crate::format::records::NodeRecord,
@@ -147,6 +157,17 @@ pub(super) fn fetch<T>(of: &T) {
     crate::trace::fetch(of);
     #[cfg(not(target_arch = "x86_64"))]
     let _ = of;
+}
+
+#[inline]
+pub(super) fn hides(
+    kernel: Kernel,
+    cover: &mut Cover<'_>,
+    columns: [i32; 2],
+    rows: [i32; 2],
+    near: f32,
+) -> bool {
+    by_kernel!(kernel, hides, <>, (cover, columns, rows, near))
 }
 
 #[inline]
