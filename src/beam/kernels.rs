@@ -76,13 +76,7 @@ impl Kernels {
 
     /// Whether all pixels of some columns and rows of a picture show detail nearer than `near`, which is `1 / t`.
     #[inline]
-    pub(super) fn hides(
-        self,
-        cover: &mut Cover<'_>,
-        columns: [i32; 2],
-        rows: [i32; 2],
-        near: f32,
-    ) -> bool {
+    pub(super) fn hides(self, cover: &mut Cover<'_>, columns: [i32; 2], rows: [i32; 2], near: f32) -> bool {
         simd::hides(self.0, cover, columns, rows, near)
     }
 

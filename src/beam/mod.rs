@@ -191,7 +191,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     /// Paints the picture that `camera` takes over `pixels`, of which there are `width` by some height: eight-bit RGBA, red in the lowest bits, the
     /// only light a lamp at the eye. What is bright is so to within one of the 255 steps, and may differ by as much from kernel to kernel.
     ///
-    /// The fifth picture from outside of a scene whose air around is cut up takes some ten milliseconds longer, and those that follow a fourth less.
+    /// The fifth picture from outside, or of a large scene one of those that follow, takes some tens of milliseconds longer, and all after that a fourth
+    /// to a half less.
     ///
     /// With the feature `rayon` the rows are shared among the threads of the current pool.
     pub fn paint(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
@@ -246,7 +247,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
         let mut shot = Shot { internal, screen, width, show, start, scene, kept, hidden, facets: None };
-        if show == Show::Light && !kept.looks.has_glass() && shot.is_all() {
+        if show == Show::Light && !kept.looks.has_glass() && shot.is_outside() {
             shot.facets = self.many.facets(scene, kept);
         }
         shot.bands(pixels);
@@ -321,12 +322,16 @@ fn is_cut_up(scene: &Scene) -> bool {
 }
 
 impl Many {
-    /// Before so many pictures no polygons are gathered: that takes as long as a dozen pictures, and saves a fourth of each that follows.
-    const FEW: u32 = 4;
+    /// Before so many pictures no polygons are gathered: that takes as long as some dozens of pictures, and saves a fourth to a half of each that follows.
+    fn few(scene: &Scene) -> u32 {
+        /// To gather so many takes some ten milliseconds.
+        const MANY: u32 = 1 << 14;
+        (scene.detail_triangle_count() / MANY).max(4)
+    }
 
     fn facets(&mut self, scene: &Scene, kept: &Kept) -> Option<&Facets> {
         self.pictures = self.pictures.saturating_add(1);
-        if self.pictures == Many::FEW + 1 {
+        if self.pictures == Many::few(scene) + 1 {
             self.facets = Facets::new(&scene.tables, &kept.joined, &kept.looks, &kept.backs);
         }
         self.facets.as_ref()
@@ -361,8 +366,17 @@ impl Shot<'_> {
         height.div_ceil(bands * threads).next_multiple_of(wide::ROWS).clamp(LEAST, BAND)
     }
 
+    /// Whether the eye is in the air around the building.
+    fn is_outside(&self) -> bool {
+        let prisms = Prisms::new(&self.scene.tables);
+        self.start.is_some_and(|cell| is_exterior(&prisms, cell))
+    }
+
     /// Whether all triangles are drawn, not cell by cell.
     fn is_all(&self) -> bool {
+        if self.facets.is_some() {
+            return true;
+        }
         let prisms = Prisms::new(&self.scene.tables);
         let cut_up =
             |cell: u32| self.kept.is_cut_up && self.show != Show::Cells && is_exterior(&prisms, cell);
