@@ -247,7 +247,10 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
         let mut shot = Shot { internal, screen, width, show, start, scene, kept, hidden, facets: None };
-        if show == Show::Light && !kept.looks.has_glass() && shot.is_outside() {
+        if show == Show::Light
+            && !kept.looks.has_glass()
+            && (shot.is_all() || shot.is_outside() && Many::are_few_enough(scene))
+        {
             shot.facets = self.many.facets(scene, kept);
         }
         shot.bands(pixels);
@@ -327,6 +330,11 @@ impl Many {
         /// To gather so many takes some ten milliseconds.
         const MANY: u32 = 1 << 14;
         (scene.detail_triangle_count() / MANY).max(4)
+    }
+
+    /// Whether to draw all polygons is faster than cell by cell. Of a tower of a million triangles it is not: from outside it shows ten thousands of polygons.
+    fn are_few_enough(scene: &Scene) -> bool {
+        scene.detail_triangle_count() <= 1 << 19
     }
 
     fn facets(&mut self, scene: &Scene, kept: &Kept) -> Option<&Facets> {
