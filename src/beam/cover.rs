@@ -2,7 +2,7 @@
 
 use super::wide::{ALL, ROWS, WIDE, Wide};
 
-/// `1 / t` of the pixels of a tile. A row is one line of the memory: half a line more takes twice as long.
+/// `1 / t` of the pixels of a tile, each row one line of the memory.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Nears([[f32; WIDE]; ROWS]);
