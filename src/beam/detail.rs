@@ -163,6 +163,8 @@ pub(crate) struct Drawn {
     pub(super) normal: DVec3,
     /// How it looks, if that is known.
     pub(super) color: Option<[f32; 3]>,
+    /// Whether it is known that one doesn't see through it.
+    pub(super) is_opaque: bool,
     pub(super) deep: Deep,
 }
 
@@ -170,7 +172,15 @@ impl Drawn {
     /// Of nothing yet.
     fn new() -> Drawn {
         let deep = Deep { bounds: Vec::new(), near: [0.0; 3], nearest: 0.0 };
-        Drawn { triangle: u32::MAX, count: 0, rows: [0; 2], normal: DVec3::ZERO, color: None, deep }
+        Drawn {
+            triangle: u32::MAX,
+            count: 0,
+            rows: [0; 2],
+            normal: DVec3::ZERO,
+            color: None,
+            is_opaque: false,
+            deep,
+        }
     }
 }
 
@@ -333,6 +343,7 @@ impl<'a> Detail<'a> {
                     *world = corner - self.screen.eye;
                 }
                 drawn.color = Some(facet.color);
+                drawn.is_opaque = !facet.is_glass();
                 let backs = if is_within_any { self.hidden.of(facet.triangle) } else { facet.backs() };
                 let of = (facet.triangle, backs);
                 self.polygon(of, (&world[..count], Some(facet.normal())), region, &[], &mut drawn, pen);

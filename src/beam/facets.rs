@@ -63,7 +63,7 @@ pub(super) struct Facet {
     pub(super) color: [f32; 3],
     /// One of its triangles.
     pub(super) triangle: u32,
-    /// How many corners it has, whether it is left out where the eye is on its left, and on its right, and where its corners are.
+    /// How many corners it has, whether it is left out where the eye is on its left, and on its right, whether one sees through it, and where its corners are.
     packed: u32,
 }
 
@@ -73,7 +73,8 @@ impl Facet {
     const COUNT: u32 = 0xf;
     const LEFT: u32 = 1 << 4;
     const RIGHT: u32 = 1 << 5;
-    const FIRST: u32 = 6;
+    const GLASS: u32 = 1 << 6;
+    const FIRST: u32 = 7;
 
     /// Unit length, to seven digits.
     #[inline(always)]
@@ -85,6 +86,12 @@ impl Facet {
     #[inline(always)]
     pub(super) fn backs(&self) -> [bool; 2] {
         [self.packed & Facet::LEFT != 0, self.packed & Facet::RIGHT != 0]
+    }
+
+    /// Whether one sees through it.
+    #[inline(always)]
+    pub(super) fn is_glass(&self) -> bool {
+        self.packed & Facet::GLASS != 0
     }
 
     fn count(&self) -> usize {
@@ -137,7 +144,9 @@ impl Facets {
                 }
                 let mut few = [DVec3::ZERO; FEW];
                 few.iter_mut().zip(&own).for_each(|(few, corner)| *few = *corner);
-                let flags = [Facet::LEFT, Facet::RIGHT].iter().zip(sides);
+                let is_glass = looks.pane_of(tables, triangle).is_some();
+                let flags =
+                    [Facet::LEFT, Facet::RIGHT, Facet::GLASS].iter().zip([sides[0], sides[1], is_glass]);
                 let flags = flags.fold(own.len() as u32, |all, (&bit, is)| all | if is { bit } else { 0 });
                 let first =
                     u32::try_from(corners.len()).ok().filter(|first| first >> (32 - Facet::FIRST) == 0)?;

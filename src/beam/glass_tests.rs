@@ -103,6 +103,34 @@ fn what_is_behind_glass_is_seen() {
     assert!(glazed > 500 && all * 1000 < glazed, "{all} unlike, {glazed} glazed");
 }
 
+/// By polygons that are gathered after some pictures from outside.
+#[test]
+fn what_is_behind_glass_is_seen_in_later_pictures() {
+    let size = SIZE.map(|size| size / 3);
+    let scene = scene(&model());
+    let crossed = Crossed::new(&scene);
+    let views = outside_views(&scene);
+    let mut opaque = vec![0; (size[0] * size[1]) as usize];
+    for kernel in Kernel::available() {
+        let mut beams = Beams::new(&scene).with_kernel(kernel).through_glass();
+        for camera in views.iter().cycle().take(super::Many::few(&scene) as usize) {
+            beams.paint(camera, size[0], &mut opaque);
+        }
+        let (mut glazed, mut pixels) = (0, opaque.clone());
+        for camera in &views {
+            let expected = crossed.picture(camera, size);
+            let counts = beams.paint(camera, size[0], &mut pixels);
+            let others = unlike(&pixels, &expected);
+            assert!(others.len() <= 2 && counts.unsure == 0, "{camera:?} {others:x?}");
+            Beams::new(&scene).paint(camera, size[0], &mut opaque);
+            glazed += unlike(&opaque, &expected).len();
+        }
+        assert!(beams.many.facets.is_some() && glazed > 50, "{glazed} glazed");
+        // Through glass other sides show: what was gathered for that is of no use without it, nor the other way.
+        assert!(beams.through_glass().many.facets.is_none());
+    }
+}
+
 /// The house with so many large panes of glass through all of it, behind each other.
 fn with_sheets(count: u32) -> Model {
     let mut model = model();

@@ -185,6 +185,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let tables = &self.scene.tables;
         self.kept.looks = Looks::through_glass(tables);
         self.kept.backs = Backs::new(tables, &self.kept.looks);
+        self.many = Many { pictures: 0, facets: None };
         self
     }
 
@@ -247,10 +248,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
         let mut shot = Shot { internal, screen, width, show, start, scene, kept, hidden, facets: None };
-        if show == Show::Light
-            && !kept.looks.has_glass()
-            && (shot.is_all() || shot.is_outside() && Many::are_few_enough(scene))
-        {
+        if show == Show::Light && (shot.is_all() || shot.is_outside() && Many::are_few_enough(scene)) {
             shot.facets = self.many.facets(scene, kept);
         }
         shot.bands(pixels);

@@ -130,7 +130,7 @@ impl Looks {
     }
 
     /// What a triangle lets pass.
-    fn pane_of(&self, tables: &Views, triangle: u32) -> Option<&Pane> {
+    pub(super) fn pane_of(&self, tables: &Views, triangle: u32) -> Option<&Pane> {
         if self.panes.is_empty() { None } else { self.pane(tables.record(triangle).material) }
     }
 }
@@ -303,7 +303,9 @@ impl Pen for Pencil<'_, '_> {
         match self.show {
             Show::Light => {
                 let grows = self.screen.along(drawn.normal).map(|c| c as f32);
-                if let Some(&pane) = self.looks.pane_of(self.tables, drawn.triangle) {
+                let pane =
+                    if drawn.is_opaque { None } else { self.looks.pane_of(self.tables, drawn.triangle) };
+                if let Some(&pane) = pane {
                     let layer = Layer::new(drawn.triangle, deep, grows, pane);
                     kernels.glaze(borders, self.cover, rows, deep, (layer, self.layers));
                     return;
