@@ -164,7 +164,8 @@ impl<'a, 'd> Canvas<'a, 'd> {
         let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, joined, .. } =
             self;
         let screen = detail.screen;
-        // Where triangles are told, and where what is seen through is counted by them, each is drawn.
+        // Where triangles are told, each is drawn; also with what is seen through: that counts once in all cells by its triangle, and a polygon's first triangle is
+        // not the same in each. From outside, by facets, there is one cell.
         let joined = (*show == Show::Light && !looks.has_glass()).then_some(*joined);
         let (tables, kernels, show, looks, square) = (*tables, *kernels, *show, *looks, *square);
         (
