@@ -129,10 +129,21 @@ pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Argume
         measured.views.iter().filter_map(|camera| frame(scene, camera, arguments.size)).collect();
     let scattered = [random(scene, arguments.random, false)];
     let pairs = random(scene, arguments.random, true);
-    let mut rows = nearest(&measured.name, "primary", &ways, &frames, arguments.repeat);
-    rows.extend(nearest(&measured.name, "random", &ways, &scattered, arguments.repeat));
-    rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
-    rows.extend(located(measured, arguments));
+    let is_asked =
+        |kind: &str| arguments.kinds.is_empty() || arguments.kinds.iter().any(|asked| asked == kind);
+    let mut rows = Vec::new();
+    if is_asked("primary") {
+        rows.extend(nearest(&measured.name, "primary", &ways, &frames, arguments.repeat));
+    }
+    if is_asked("random") {
+        rows.extend(nearest(&measured.name, "random", &ways, &scattered, arguments.repeat));
+    }
+    if is_asked("pairs") {
+        rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
+    }
+    if is_asked("points") {
+        rows.extend(located(measured, arguments));
+    }
     rows
 }
 
