@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use arrayvec::ArrayVec;
 use bytemuck::Pod;
 use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
@@ -215,15 +216,53 @@ impl Tables {
         self.triangles.push(triangle.vertices);
     }
 
-    /// Adds a leaf of these triangles, one to eight, and returns its link.
-    pub fn leaf(&mut self, triangles: impl ExactSizeIterator<Item = u32>) -> u32 {
-        let count = triangles.len();
-        if self.leaves.len() % LANES + count > LANES {
-            self.leaves.resize(self.leaves.len().next_multiple_of(LANES), NONE);
+    /// Adds leaves of these triangles, one to eight each, and returns their links. A leaf goes into the fullest group of eight among the last few that
+    /// has room for it: those that hang from one node stay together.
+    pub fn add_leaves<T: ExactSizeIterator<Item = u32>>(
+        &mut self,
+        leaves: impl IntoIterator<Item = T>,
+    ) -> Vec<u32> {
+        /// Groups that wait to be filled.
+        const OPEN: usize = 8;
+        let last = self.leaves.len();
+        self.leaves.resize(last.next_multiple_of(LANES), NONE);
+        // Of each: its first place that is free, and how many are.
+        let mut open = ArrayVec::<(usize, usize), OPEN>::new();
+        if last < self.leaves.len() {
+            open.push((last, self.leaves.len() - last));
         }
-        let first = self.leaves.len();
-        self.leaves.extend(triangles);
-        Leaf::link(first, count)
+        let mut links = Vec::new();
+        for leaf in leaves {
+            let count = leaf.len();
+            let fits = open.iter().enumerate().filter(|(_, (_, room))| *room >= count);
+            let place = match fits.min_by_key(|(_, (_, room))| *room) {
+                Some((place, _)) => place,
+                None => {
+                    if open.is_full() {
+                        // The one with the least room.
+                        let fullest = (0..OPEN).min_by_key(|&place| open[place].1).unwrap_or(0);
+                        open.remove(fullest);
+                    }
+                    open.push((self.leaves.len(), LANES));
+                    self.leaves.resize(self.leaves.len() + LANES, NONE);
+                    open.len() - 1
+                }
+            };
+            let (first, room) = &mut open[place];
+            for (to, triangle) in self.leaves[*first..].iter_mut().zip(leaf) {
+                *to = triangle;
+            }
+            links.push(Leaf::link(*first, count));
+            (*first, *room) = (*first + count, *room - count);
+            if *room == 0 {
+                open.remove(place);
+            }
+        }
+        // What follows may go on where the last group ends.
+        while self.leaves.last() == Some(&NONE) {
+            self.leaves.pop();
+        }
+        links
     }
 
     /// Adds a text to the section `strings`.
