@@ -206,21 +206,29 @@ fn whole(triangles: &[Triangle]) -> Boxes {
 }
 
 /// The same, large triangles with several around parts of them, where those are smaller together: of one that runs aslant through its box most of that
-/// is empty. The boxes of the triangles come first.
+/// is empty. The boxes of the triangles come first. There are at most [`MOST_PARTS`] for each triangle.
 fn parts_of(triangles: &[Triangle]) -> Boxes {
-    /// Smaller than so many times the average they stay whole.
-    const SMALL: f32 = 0.5;
-    /// Two parts have so many times less than the whole.
+    /// Smaller than so many times the average they stay whole; the next, should that make too many parts.
+    const SMALL: [f32; 3] = [0.5, 2.0, 8.0];
+    /// Two parts have so many times less than the whole: so there is an end of it, of six parts a triangle at most with the least of `SMALL`.
     const LESS: f32 = 1.5;
     /// How often each part is looked at, and at how many places.
     const ROUNDS: u32 = 12;
     const PLACES: u32 = 12;
-    let (mut boxes, mut indices) = whole(triangles);
+    let (boxes, indices) = whole(triangles);
     let average = boxes.iter().map(Aabb::half_area).sum::<f32>() / boxes.len().max(1) as f32;
-    let small = average * SMALL;
-    split_aabbs_precise(&mut boxes, &mut indices, triangles, small, small, LESS, LESS, ROUNDS, PLACES);
+    for small in SMALL.map(|small| average * small) {
+        let (mut boxes, mut indices) = (boxes.clone(), indices.clone());
+        split_aabbs_precise(&mut boxes, &mut indices, triangles, small, small, LESS, LESS, ROUNDS, PLACES);
+        if boxes.len() <= MOST_PARTS * triangles.len() {
+            return (boxes, indices);
+        }
+    }
     (boxes, indices)
 }
+
+/// See [`parts_of`].
+const MOST_PARTS: usize = 2;
 
 /// A hierarchy over parts of triangles is taken where it is expected to cost so many times what one over whole triangles does, or less: in buildings with
 /// round and oblique things rays look at a third fewer blocks for it, in others it is but larger.
@@ -475,6 +483,39 @@ mod tests {
             out: Hierarchy::default(),
         };
         assert!(shallow.run().depth <= 12);
+    }
+
+    /// Long and thin ones, beside many small ones: parts are taken, few of them; of what lies along the axes none are.
+    #[test]
+    fn triangles_that_run_aslant_are_taken_in_parts() {
+        let mut triangles: Vec<[[f64; 3]; 3]> = (0..300)
+            .map(|i| {
+                let at = f64::from(i) * 0.2;
+                let end = [at + 9.0, 9.0 - at, 3.0];
+                [[at, -at, 0.0], end, [end[0], end[1] + 0.1, end[2]]]
+            })
+            .collect();
+        triangles.extend((0..3000).map(|i| {
+            let at = f64::from(i) * 0.01;
+            [[at, 0.0, 0.0], [at + 0.01, 0.0, 0.0], [at, 0.01, 0.0]]
+        }));
+        let rounded = rounded(&triangles, [0.0; 3]);
+        let parts = parts_of(&rounded);
+        assert!(parts.0.len() > 2 * 300 + 3000 && parts.0.len() <= MOST_PARTS * 3300, "{}", parts.0.len());
+        assert!(parts.1[..3300].iter().copied().eq(0..3300));
+        let collapse = |binary: &Bvh2| {
+            Collapse { binary, triangles: 3300, slack: 1e-5, out: Hierarchy::default() }.run().cost
+        };
+        let whole = collapse(&binary(&rounded, whole(&rounded), &[], REINSERTED));
+        let built = build(&triangles, [0.0; 3], 1e-5);
+        assert!(built.cost < 0.9 * whole, "{} of {whole}", built.cost);
+        let mut found: Vec<u32> = built.leaves.iter().flatten().copied().collect();
+        assert!(found.len() > triangles.len());
+        found.sort_unstable();
+        found.dedup();
+        assert!(found.into_iter().eq(0..3300));
+        let small = &rounded[300..];
+        assert_eq!(parts_of(small).0.len(), small.len());
     }
 
     #[test]
