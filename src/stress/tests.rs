@@ -433,6 +433,14 @@ fn a_ray_along_a_floor_went_through_what_stands_on_it() {
     seeded(167, "house-cad", Family::Borders, 4756);
 }
 
+/// Back through a slab's underside, which roundings bend by a millionth, almost along it: aside, the slab was entered by the other triangle of that side.
+#[test]
+fn a_ray_on_from_a_bent_side_met_the_rest_of_that_side() {
+    seeded(205, "house-cad", Family::AlongEdges, 3792);
+    seeded(1092, "house-cad", Family::AlongEdges, 5548);
+    seeded(214, "house-cad", Family::Grazing, 9040);
+}
+
 /// From a board's underside, a tenth of a nanometre over a floor: beside, it began in the board, and came to the floor later than from anywhere before.
 #[test]
 fn a_ray_on_from_a_narrow_gap_began_behind_the_surface_that_it_left() {

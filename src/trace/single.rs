@@ -361,7 +361,8 @@ impl Scene {
                         // Into what meets the surface there: where the ray starts that is not met again, and from aside it is.
                         let met = among_all(tables, &aside, None, probe);
                         // From aside it may come through the surface itself, where there is no air before that.
-                        if met.found.triangle != away.triangle {
+                        let walk = Walk::new(tables);
+                        if !walk.is_part_of(met.found.triangle, away, line.origin) {
                             ended = met;
                         }
                     }

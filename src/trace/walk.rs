@@ -68,6 +68,19 @@ impl<'a> Walk<'a> {
         element(one) == element(other)
     }
 
+    /// Whether a triangle is the one of a surface, or of the same element and in one plane with it there, as far as what is bent by roundings is one
+    /// plane.
+    pub(super) fn is_part_of(&self, triangle: u32, surface: &Surface, there: DVec3) -> bool {
+        if triangle == NONE || triangle == surface.triangle || !self.are_of_one(triangle, surface.triangle) {
+            return triangle == surface.triangle;
+        }
+        let [a, b, c] = self.corners(triangle);
+        let normal = (b - a).cross(c - a);
+        let size = normal.length();
+        normal.dot(surface.normal).abs() >= (1.0 - PARALLEL) * size
+            && normal.dot(there - a).abs() <= ONE_PLANE.max(surface.near) * size
+    }
+
     /// Whether a triangle's normal looks the other way than `normal`, or there is no such triangle.
     fn looks_against(&self, triangle: u32, normal: DVec3) -> bool {
         let Some(&corners) = self.triangles.get(triangle as usize) else { return true };
