@@ -247,17 +247,21 @@ fn binary(triangles: &[Triangle], (mut boxes, mut indices): Boxes, parts: &[Part
         return halves(&boxes_of(triangles, parts));
     }
     tree.uses_spatial_splits = true;
-    ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
+    let share = (SMALL_TREE / boxes.len() as f32).min(reinserted).max(FEW_REINSERTED);
+    ReinsertionOptimizer::default().run(&mut tree, share, None);
     tree
 }
 
 /// Beyond this the clusters have gone wrong: triangles laid out to spoil them.
 const DEEPEST_BINARY: usize = 96;
 
-/// Share of the nodes that are tried at other places of the tree: of one in a file, where rays open an eighth fewer nodes of furnished rooms for
-/// that than with `FEW_REINSERTED`, and of one that is made while somebody waits for a picture.
+/// Share of the nodes that are tried at other places of the tree: of a small one in a file, where rays open an eighth fewer nodes of furnished rooms for
+/// that than with `FEW_REINSERTED`; and of one that is made while somebody waits for a picture.
 const REINSERTED: f32 = 1.0;
 const FEW_REINSERTED: f32 = 0.05;
+
+/// In trees over more boxes than this fewer nodes are tried: where all lie in each other, all places are looked at for each.
+const SMALL_TREE: f32 = 4096.0;
 
 struct Collapse<'a> {
     binary: &'a Bvh2,
