@@ -658,3 +658,38 @@ pub(super) fn ensure(
 ) -> Result<(), FormatError> {
     if ok { Ok(()) } else { invalid(section, item, what()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::splitmix::SplitMix64;
+
+    /// Each leaf is found whole at its link, in one group; no place is of two; and few places are left empty.
+    #[test]
+    fn leaves_fill_their_groups() {
+        let mut random = SplitMix64::new(5);
+        let (mut tables, mut next) = (Tables::default(), 0);
+        let (mut links, mut leaves) = (Vec::new(), Vec::new());
+        // Of hierarchies with none, one, few and many.
+        for count in [0, 1, 2, 5, 0, 1000, 3, 1, 400] {
+            let own: Vec<Vec<u32>> = (0..count)
+                .map(|_| {
+                    let first = next;
+                    next += 1 + random.below(LANES as u64) as u32;
+                    (first..next).collect()
+                })
+                .collect();
+            links.extend(tables.add_leaves(own.iter().map(|leaf| leaf.iter().copied())));
+            leaves.extend(own);
+        }
+        assert_eq!(links.len(), leaves.len());
+        for (&link, leaf) in links.iter().zip(&leaves) {
+            let place = Leaf::new(link);
+            assert_eq!(tables.leaves[place.first()..place.first() + place.count()], leaf[..]);
+            assert!(place.first() % LANES + place.count() <= LANES);
+        }
+        let filled = tables.leaves.iter().filter(|&&triangle| triangle != NONE).count();
+        assert_eq!(filled, next as usize);
+        assert!(tables.leaves.len() * 19 < filled * 20, "{filled} of {}", tables.leaves.len());
+    }
+}
