@@ -122,6 +122,7 @@ fn build_with(
     } else if triangles.len() + parts.len() <= LANES {
         few(triangles, parts, center, slack)
     } else {
+        // What is in no other hierarchy is mostly walls, large and often oblique.
         let rounded = rounded(triangles, center);
         let binary = binary(&rounded, parts_of(&rounded), parts, reinserted);
         Collapse { binary: &binary, triangles: triangles.len() as u32, slack, out: Hierarchy::default() }
@@ -228,7 +229,7 @@ fn parts_of(triangles: &[Triangle]) -> Boxes {
 }
 
 /// See [`parts_of`].
-const MOST_PARTS: usize = 2;
+pub(super) const MOST_PARTS: usize = 2;
 
 /// A hierarchy over parts of triangles is taken where it is expected to cost so many times what one over whole triangles does, or less: in buildings with
 /// round and oblique things rays look at a third fewer blocks for it, in others it is but larger.

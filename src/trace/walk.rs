@@ -71,8 +71,11 @@ impl<'a> Walk<'a> {
     /// Whether a triangle is the one of a surface, or of the same element and in one plane with it there, as far as what is bent by roundings is one
     /// plane.
     pub(super) fn is_part_of(&self, triangle: u32, surface: &Surface, there: DVec3) -> bool {
-        if triangle == NONE || triangle == surface.triangle || !self.are_of_one(triangle, surface.triangle) {
-            return triangle == surface.triangle;
+        if triangle == surface.triangle {
+            return true;
+        }
+        if triangle == NONE || !self.are_of_one(triangle, surface.triangle) {
+            return false;
         }
         let [a, b, c] = self.corners(triangle);
         let normal = (b - a).cross(c - a);
