@@ -229,7 +229,7 @@ fn parts_of(triangles: &[Triangle]) -> Boxes {
 }
 
 /// See [`parts_of`].
-pub(super) const MOST_PARTS: usize = 2;
+const MOST_PARTS: usize = 2;
 
 /// A hierarchy over parts of triangles is taken where it is expected to cost so many times what one over whole triangles does, or less: in buildings with
 /// round and oblique things rays look at a third fewer blocks for it, in others it is but larger.

@@ -389,8 +389,8 @@ fn add_detail(
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     run.budget.take_items(
         pairs.len() as u64 + all,
-        // Building one, beside one over parts, a leaf of its own, and at most a node for four triangles.
-        (1 + bvh::MOST_PARTS) * 2 * 160 + 32 + size_of::<NodeRecord>() / 4,
+        // Building one, a leaf of its own, and at most a node for four triangles.
+        2 * 160 + 32 + size_of::<NodeRecord>() / 4,
         "the hierarchies of boxes",
     )?;
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
