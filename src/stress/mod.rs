@@ -96,7 +96,7 @@ const WAVE: u64 = 256;
 pub fn stress(options: &StressOptions) -> Result<StressReport, Cancelled> {
     let trials = options.chosen();
     let families = if options.families.is_empty() { Family::ALL.to_vec() } else { options.families.clone() };
-    let each = options.rays.div_ceil((trials.len() * families.len()).max(1) as u64);
+    let each = shares(options.rays, &trials, families.len());
     let mut report = StressReport {
         version: env!("CARGO_PKG_VERSION"),
         seed: options.seed,
@@ -107,7 +107,7 @@ pub fn stress(options: &StressOptions) -> Result<StressReport, Cancelled> {
         #[cfg(feature = "render")]
         pictures: Vec::new(),
     };
-    for (number, trial) in trials.iter().enumerate() {
+    for (number, (trial, each)) in trials.iter().zip(each).enumerate() {
         options.watch.check()?;
         options.watch.report(&trial.name, number as f64 / trials.len() as f64);
         if let Err(why) = run(trial, &families, each, options, &mut report) {
@@ -116,6 +116,14 @@ pub fn stress(options: &StressOptions) -> Result<StressReport, Cancelled> {
         options.watch.check()?;
     }
     Ok(report)
+}
+
+/// Rays of each family through each trial, of so many in all.
+fn shares(rays: u64, trials: &[Trial], families: usize) -> Vec<u64> {
+    let most = trials.iter().map(|trial| trial.one_in).max().unwrap_or(1);
+    let parts = |trial: &Trial| u128::from(most / trial.one_in.max(1));
+    let whole = trials.iter().map(parts).sum::<u128>() * families.max(1) as u128;
+    trials.iter().map(|trial| (u128::from(rays) * parts(trial)).div_ceil(whole) as u64).collect()
 }
 
 /// Sends the rays of all families through a trial.
@@ -139,13 +147,14 @@ fn run(
         |element| roles[element.0 as usize],
         &TruthOptions::default().with_tolerance(trial.tolerance),
     );
+    let inside = trial.inside_of(&model);
     for &family in families {
         let stage = Stage {
             trial: &trial.name,
             judge: Judge { scene: &scene, truth: &truth },
-            source: Source::new(&scene, &truth, trial.inside, options.seed),
+            source: Source::new(&scene, &truth, inside, options.seed),
             // From a surface rays may go out.
-            is_closed: trial.inside.is_some() && family.starts_anywhere(),
+            is_closed: inside.is_some() && family.starts_anywhere(),
             most: options.cases,
         };
         let mut found = Found::default();
@@ -177,7 +186,7 @@ fn run(
     #[cfg(feature = "render")]
     if options.pictures > 0 {
         options.watch.report(&format!("{} pictures", trial.name), 0.999);
-        let source = Source::new(&scene, &truth, trial.inside, options.seed);
+        let source = Source::new(&scene, &truth, inside, options.seed);
         let which = (options.first, options.pictures);
         report.pictures.extend(pictures::pictures(
             (&trial.name, &Judge { scene: &scene, truth: &truth }),

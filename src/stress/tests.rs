@@ -5,6 +5,7 @@ use super::judge::Worth;
 use super::*;
 use crate::scene::Scene;
 use crate::trace::{Answer, Hit, Ray, Start, Want};
+use enfilade_importers::Semantic;
 
 #[test]
 fn every_trial_is_compiled_and_nothing_bad_is_found() {
@@ -46,6 +47,36 @@ fn rays_are_sent_anew_by_their_index() {
 }
 
 #[test]
+fn rays_are_shared_by_what_they_cost() {
+    let trials = trials(true, 1);
+    let each = shares(1_000_000, &trials, 10);
+    let of = |name: &str| each[trials.iter().position(|trial| trial.name == name).unwrap()];
+    let (usual, rare) = (of("nested"), of("corridor-5000"));
+    assert!(rare > 0 && (256 * (rare - 1) + 1..=256 * rare).contains(&usual), "{each:?}");
+    let all = each.iter().sum::<u64>() * 10;
+    assert!((1_000_000..1_001_000).contains(&all), "{all}");
+    let alone = [corridor_of(trials)];
+    assert_eq!(shares(1, &alone, 1), [1], "one ray anew");
+}
+
+/// The corridor is ten kilometres long, and its model has an offset taken off: what is inside of it was looked for where it had been.
+#[test]
+fn closed_rooms_are_where_their_models_are() {
+    let corridor = corridor_of(trials(true, 1));
+    let model = corridor.model().unwrap();
+    assert!(model.frame.has_offset());
+    let [lo, hi] = corridor.inside_of(&model).unwrap();
+    let air = model.elements.iter().find(|element| element.semantic == Semantic::Room).unwrap();
+    for p in &air.mesh.positions {
+        assert!((0..3).all(|i| p[i] == lo[i] || p[i] == hi[i]), "{p:?} {lo:?} {hi:?}");
+    }
+}
+
+fn corridor_of(trials: Vec<Trial>) -> Trial {
+    trials.into_iter().find(|trial| trial.name == "corridor-5000").unwrap()
+}
+
+#[test]
 fn what_is_refused_fails() {
     let report = stress(&StressOptions { trials: vec!["nothing".into()], ..StressOptions::default() });
     assert!(!report.unwrap().passed(), "nothing was sent");
@@ -61,15 +92,15 @@ fn staged_with<T>(seed: u64, name: &str, family: Family, with: impl FnOnce(&Stag
     let trial = trials(false, seed).into_iter().find(|trial| trial.name == name).unwrap();
     let model = trial.model().unwrap();
     let options = CompileOptions { tolerance: trial.tolerance, ..CompileOptions::default() };
-    let scene = compile(&model, &options).unwrap().scene();
+    let (scene, inside) = (compile(&model, &options).unwrap().scene(), trial.inside_of(&model));
     let roles = roles(&model, Untagged::default());
     let tolerance = TruthOptions::default().with_tolerance(trial.tolerance);
     let truth = Truth::new(&model, |element| roles[element.0 as usize], &tolerance);
     let stage = Stage {
         trial: &trial.name,
         judge: Judge { scene: &scene, truth: &truth },
-        source: Source::new(&scene, &truth, trial.inside, seed),
-        is_closed: trial.inside.is_some() && family.starts_anywhere(),
+        source: Source::new(&scene, &truth, inside, seed),
+        is_closed: inside.is_some() && family.starts_anywhere(),
         most: 3,
     };
     with(&stage, &scene)

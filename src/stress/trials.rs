@@ -13,8 +13,11 @@ pub struct Trial {
     pub name: String,
     /// The tolerance to compile it with, metres.
     pub tolerance: f64,
-    /// A box of air, and of what stands in it, that is closed all around: no ray from within may escape. Internal frame, metres.
+    /// A box of air, and of what stands in it, that is closed all around: no ray from within may escape. In the trial's own frame, Z up, metres: the
+    /// model's has an offset taken off where that is long.
     pub inside: Option<[[f64; 3]; 2]>,
+    /// Of as many rays as go through each other trial, one in so many goes through this: rays take as much longer in it.
+    pub one_in: u64,
     make: Box<dyn Fn() -> Result<Model, ImportError> + Send + Sync>,
 }
 
@@ -35,11 +38,16 @@ impl Trial {
         (self.make)()
     }
 
+    /// The box from which no ray may escape, in the frame of its model.
+    pub fn inside_of(&self, model: &Model) -> Option<[[f64; 3]; 2]> {
+        self.inside.map(|corners| corners.map(|corner| model.frame.point_to_internal(corner)))
+    }
+
     fn of_model(
         name: String,
         make: impl Fn() -> Result<Model, ImportError> + Send + Sync + 'static,
     ) -> Trial {
-        Trial { name, tolerance: TOLERANCE, inside: None, make: Box::new(make) }
+        Trial { name, tolerance: TOLERANCE, inside: None, one_in: 1, make: Box::new(make) }
     }
 
     fn closed(
@@ -90,7 +98,8 @@ pub fn trials(long: bool, seed: u64) -> Vec<Trial> {
         Trial::closed("flat-cells", ROOM, flat_cells).with_tolerance(1e-5),
         Trial::closed("needles", ROOM, move || needles(seed)),
         Trial::closed("nested", [[0.0; 3], [9.0, 9.0, 9.0]], nested),
-        corridor(if long { 5000 } else { 100 }),
+        // Ten kilometres, and rays that cross ten thousand cells, by each way.
+        if long { Trial { one_in: 256, ..corridor(5000) } } else { corridor(100) },
     ]);
     let usual = || house(&HouseOptions::default());
     for (name, style) in [
