@@ -88,7 +88,7 @@ impl Scene {
     /// The pages of the mapped file of which `work`, which is done once, reads some: what it touches of the scene, if no other thread uses that meanwhile.
     /// `None` where nothing is mapped, or the operating system does not tell: only Linux does.
     pub fn pages_read(&self, work: impl FnOnce()) -> Option<Pages> {
-        pages_read(self.tables.vertices.as_ptr() as usize, work)
+        pages_read(self.tables.file.as_ptr() as usize, work)
     }
 
     pub(crate) fn from_views(tables: Views) -> Scene {

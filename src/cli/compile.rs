@@ -9,7 +9,7 @@ use enfilade::compile::Report;
 use serde::Serialize;
 
 use super::failure::{Failure, Outcome};
-use super::input::{Reading, Resources};
+use super::input::{Reading, Resources, compiled};
 use super::{output, space};
 
 /// Compile a model to a scene file (.enf).
@@ -26,6 +26,10 @@ pub struct Arguments {
     /// Keep the map of the building in the scene, for `validate`.
     #[arg(long, conflicts_with = "no_cells")]
     topology: bool,
+    /// Pack nothing: every section is a plain array, for readers that map the file themselves. Of a
+    /// large building it is twice as long.
+    #[arg(long)]
+    plain: bool,
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
@@ -48,7 +52,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let start = Instant::now();
         let model = arguments.reading.model(&arguments.model, &arguments.resources)?;
         let imported = start.elapsed();
-        let compiled = arguments.reading.compile(&model, &arguments.resources, arguments.topology)?;
+        let mut options = arguments.reading.compile_options(&arguments.resources);
+        options.topology = arguments.topology;
+        if arguments.plain {
+            options.pack_from = u64::MAX;
+        }
+        let compiled = compiled(&model, &options)?;
         Ok((compiled, imported.as_secs_f64(), (start.elapsed() - imported).as_secs_f64()))
     })??;
     output::write(Some(&arguments.output), |out| out.write_all(&compiled.bytes))?;

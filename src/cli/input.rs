@@ -308,13 +308,6 @@ impl Reading {
             .with_watch(resources.watch())
     }
 
-    /// Compiles a model; with `topology`, its map is kept.
-    pub fn compile(&self, model: &Model, resources: &Resources, topology: bool) -> Result<Compiled, Failure> {
-        let mut options = self.compile_options(resources);
-        options.topology = topology;
-        compile(model, &options).map_err(|e| Failure::input(format!("{}: {e}", model.source)))
-    }
-
     /// Opens a scene, or compiles a model on the fly.
     pub fn scene(&self, path: &Path, resources: &Resources) -> Result<Scene, Failure> {
         self.scene_with(path, resources, false)
@@ -330,10 +323,19 @@ impl Reading {
             return Scene::open(path).map_err(Failure::input);
         }
         let model = self.model(path, resources)?;
-        let compiled = self.compile(&model, resources, topology)?;
+        let mut options = self.compile_options(resources);
+        options.topology = topology;
+        // Its bytes are read at once.
+        options.pack_from = u64::MAX;
+        let compiled = compiled(&model, &options)?;
         resources.warn(&compiled.report.warnings);
         Ok(compiled.scene())
     }
+}
+
+/// A model compiled.
+pub fn compiled(model: &Model, options: &CompileOptions) -> Result<Compiled, Failure> {
+    compile(model, options).map_err(|e| Failure::input(format!("{}: {e}", model.source)))
 }
 
 /// The model that a scene was compiled from: the one that is told, or the scene itself, if that is a model.

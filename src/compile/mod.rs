@@ -62,6 +62,9 @@ pub struct CompileOptions {
     /// Whether the file keeps the map of the building ([`Scene::building`]), so that it can be validated without the model.
     /// Default no: rays do not need it. Without cells there is none.
     pub topology: bool,
+    /// Sections that opening reads whole (vertices, triangles, leaves) are packed from so many bytes on: a file of a large building is half as long. Default
+    /// 256 KiB; with `u64::MAX` every section is a plain array, for readers that map the file themselves.
+    pub pack_from: u64,
     /// What the compilation may cost, beside the model itself.
     pub limits: Limits,
     /// Progress and cancellation.
@@ -77,6 +80,7 @@ impl Default for CompileOptions {
             convexification: Convexification::default(),
             derive: DeriveOptions::default(),
             topology: false,
+            pack_from: 1 << 18,
             limits: Limits::default(),
             watch: Watch::default(),
         }
@@ -294,7 +298,7 @@ fn compile_tables(
     gathered.count_components(&parts);
     let mut report = report::make(model, options, &gathered, &tables, &counted);
     tables.provenance = report.provenance().into_bytes();
-    let bytes = run.stage("write", || tables.to_bytes())?;
+    let bytes = run.stage("write", || tables.to_bytes(options.pack_from))?;
     if zone.is_some() {
         // The partition is the caller's: whether its cells are prisms is what opening checks.
         run.stage("check", || Scene::from_bytes(&bytes).map(|_| ()))?

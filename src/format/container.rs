@@ -23,8 +23,11 @@ pub const VERSION: u32 = 7;
 /// Reads differently where bytes are swapped.
 pub const ENDIAN_MARK: u32 = 0x0A0B_0C0D;
 
+/// The feature bit of files with sections that are packed.
+pub const PACKED_FEATURE: u64 = 1;
+
 /// Feature bits that this version knows. A file that requires another is refused.
-pub const KNOWN_FEATURES: u64 = 0;
+pub const KNOWN_FEATURES: u64 = PACKED_FEATURE;
 
 /// Sections start at multiples of this.
 pub const ALIGN: usize = 64;
@@ -53,23 +56,38 @@ const HEADER_LEN: usize = 64;
 pub struct SectionEntry {
     /// Name: up to 12 ASCII letters, filled with zeros.
     pub name: [u8; 12],
-    /// Bit 0: a reader that does not know this section must refuse the file.
+    /// Bit 0: a reader that does not know this section must refuse the file. Bit 1: it is packed.
     pub flags: u32,
     /// First byte, from the start of the file; a multiple of 64.
     pub offset: u64,
-    /// Bytes.
+    /// Bytes in the file.
     pub len: u64,
     /// Bytes of one item.
     pub item_size: u64,
-    /// XXH3-64 of the bytes.
+    /// XXH3-64 of the bytes in the file.
     pub checksum: u64,
+    /// Bytes of all items, of a packed section; else zero.
+    pub unpacked: u64,
     /// Zero.
-    pub reserved: [u64; 2],
+    pub reserved: u64,
 }
 
 impl SectionEntry {
     /// The flag of sections that a reader must know.
     pub const REQUIRED: u32 = 1;
+
+    /// The flag of sections that are packed (`packed`).
+    pub const PACKED: u32 = 2;
+
+    /// Whether its items must be unpacked.
+    pub fn is_packed(&self) -> bool {
+        self.flags & SectionEntry::PACKED != 0
+    }
+
+    /// Where it lies in the file.
+    pub(super) fn range(&self) -> std::ops::Range<usize> {
+        self.offset as usize..(self.offset + self.len) as usize
+    }
 
     /// The name as text.
     pub fn name(&self) -> String {
@@ -98,31 +116,44 @@ pub struct NewSection<'a> {
     pub required: bool,
     /// Bytes of one item.
     pub item_size: usize,
-    /// The bytes.
+    /// The items.
     pub bytes: &'a [u8],
+    /// What they are packed to, if they are (`packed`).
+    pub packed: Option<Vec<u8>>,
+}
+
+impl NewSection<'_> {
+    /// The bytes in the file.
+    fn stored(&self) -> &[u8] {
+        self.packed.as_deref().unwrap_or(self.bytes)
+    }
 }
 
 /// The whole file with these sections.
 pub fn write(sections: &[NewSection<'_>]) -> Vec<u8> {
+    let is_packed = sections.iter().any(|section| section.packed.is_some());
     let mut offset = padded(HEADER_LEN + sections.len() * size_of::<SectionEntry>());
     let mut table = Vec::with_capacity(sections.len());
     for section in sections {
+        let stored = section.stored();
+        let (is_packed, required) = (section.packed.is_some(), section.required);
         table.push(SectionEntry {
             name: name_bytes(section.name),
-            flags: if section.required { SectionEntry::REQUIRED } else { 0 },
+            flags: SectionEntry::REQUIRED * u32::from(required) + SectionEntry::PACKED * u32::from(is_packed),
             offset: offset as u64,
-            len: section.bytes.len() as u64,
+            len: stored.len() as u64,
             item_size: section.item_size as u64,
-            checksum: XxHash3_64::oneshot(section.bytes),
-            reserved: [0; 2],
+            checksum: XxHash3_64::oneshot(stored),
+            unpacked: if is_packed { section.bytes.len() as u64 } else { 0 },
+            reserved: 0,
         });
-        offset = padded(offset + section.bytes.len());
+        offset = padded(offset + stored.len());
     }
     let mut header = Header {
         magic: MAGIC,
         version: VERSION,
         endian_mark: ENDIAN_MARK,
-        features: 0,
+        features: if is_packed { PACKED_FEATURE } else { 0 },
         file_len: offset as u64,
         section_count: sections.len() as u32,
         reserved: [0; 5],
@@ -134,7 +165,7 @@ pub fn write(sections: &[NewSection<'_>]) -> Vec<u8> {
     file.extend_from_slice(cast_slice(&table));
     for section in sections {
         file.resize(padded(file.len()), 0);
-        file.extend_from_slice(section.bytes);
+        file.extend_from_slice(section.stored());
     }
     file.resize(offset, 0);
     file
@@ -195,7 +226,8 @@ pub fn read_table(file: &[u8]) -> Result<Vec<SectionEntry>, FormatError> {
         if entry.offset < last_end || !entry.offset.is_multiple_of(ALIGN as u64) {
             return Err(bad("it overlaps an earlier one or is not aligned"));
         }
-        if entry.item_size == 0 || !entry.len.is_multiple_of(entry.item_size) {
+        let items = if entry.is_packed() { entry.unpacked } else { entry.len };
+        if entry.item_size == 0 || !items.is_multiple_of(entry.item_size) {
             return Err(bad("its length is no whole number of items"));
         }
         last_end = end;
@@ -203,7 +235,7 @@ pub fn read_table(file: &[u8]) -> Result<Vec<SectionEntry>, FormatError> {
     Ok(table)
 }
 
-/// Whether `bytes` are those that a section was written with.
+/// Whether `bytes`, as they lie in the file, are those that a section was written with.
 ///
 /// # Errors
 /// [`FormatError::Checksum`].
@@ -220,14 +252,20 @@ mod tests {
     use super::*;
 
     fn section<'a>(file: &'a [u8], entry: &SectionEntry) -> Result<&'a [u8], FormatError> {
-        let bytes = &file[entry.offset as usize..(entry.offset + entry.len) as usize];
+        let bytes = &file[entry.range()];
         check(bytes, entry).map(|()| bytes)
     }
 
     fn example() -> Vec<u8> {
         write(&[
-            NewSection { name: "numbers", required: true, item_size: 4, bytes: &[1, 2, 3, 4, 5, 6, 7, 8] },
-            NewSection { name: "text", required: false, item_size: 1, bytes: b"hello" },
+            NewSection {
+                name: "numbers",
+                required: true,
+                item_size: 4,
+                bytes: &[1, 2, 3, 4, 5, 6, 7, 8],
+                packed: None,
+            },
+            NewSection { name: "text", required: false, item_size: 1, bytes: b"hello", packed: None },
         ])
     }
 

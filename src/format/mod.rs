@@ -5,6 +5,7 @@ mod atomic;
 mod container;
 mod kind;
 pub mod map;
+mod packed;
 mod pages;
 mod prisms;
 pub mod records;

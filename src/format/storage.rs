@@ -39,6 +39,16 @@ impl Storage {
         Storage::Owned { lines: Lines(lines), len: bytes.len() }
     }
 
+    /// Zeros that `fill` makes `len` bytes of.
+    ///
+    /// # Errors
+    /// Those of `fill`.
+    pub fn made<E>(len: usize, fill: impl FnOnce(&mut [u8]) -> Result<(), E>) -> Result<Storage, E> {
+        let mut lines = vec![Line([0; 64]); len.div_ceil(64)];
+        fill(&mut bytemuck::cast_slice_mut(&mut lines)[..len])?;
+        Ok(Storage::Owned { lines: Lines(lines), len })
+    }
+
     /// The file's bytes: mapped with the feature `mmap`, else read.
     ///
     /// # Errors

@@ -17,6 +17,7 @@ use super::records::{
     SourceRecord, Text, Traits, TriangleRecord, VolumeRecord,
 };
 use super::storage::{Storage, View};
+use crate::parallel;
 use crate::trace::{
     AirGrid, Finder, Guess, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, plate_of, step_of,
 };
@@ -62,6 +63,7 @@ macro_rules! sections {
                     required: $required,
                     item_size: size_of::<$item>(),
                     bytes: bytemuck::cast_slice(&self.$field),
+                    packed: None,
                 },)*];
                 let own = own.into_iter();
                 $(let own = own.chain(self.$also.iter().flat_map($more::sections));)?
@@ -71,14 +73,6 @@ macro_rules! sections {
 
         impl $views {
             const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
-
-            /// The bytes of a section.
-            fn bytes(&self, name: &str) -> Option<&[u8]> {
-                $(if name == stringify!($field) {
-                    return Some(bytemuck::cast_slice(&self.$field));
-                })*
-                None
-            }
 
             fn find(storage: &Arc<Storage>, table: &[SectionEntry]) -> Result<$views, FormatError> {
                 Ok($views {
@@ -98,7 +92,8 @@ sections! {
     Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
     derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
-    derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32, derived map_unchecked: SectionEntry;
+    derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32, derived map_unchecked: SectionEntry,
+    derived file: u8;
     /// One record about the whole.
     scene: SceneRecord;
     /// UTF-8.
@@ -194,10 +189,20 @@ impl MapViews {
 /// The bit of an item of the section `located` that marks a volume that holds the whole cube.
 pub(crate) const WHOLE_BIT: u32 = 1 << 31;
 
+/// Sections that opening reads whole, whatever is asked then: to pack them costs a scene nothing that it would not read.
+const READ_WHOLE: [&str; 3] = ["vertices", "triangles", "leaves"];
+
 impl Tables {
-    /// The file.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        container::write(&self.sections())
+    /// The file. Of the sections that opening reads whole those are packed that have so many bytes.
+    #[cfg(feature = "compile")]
+    pub fn to_bytes(&self, pack_from: u64) -> Vec<u8> {
+        let mut sections = self.sections();
+        for section in &mut sections {
+            if READ_WHOLE.contains(&section.name) && section.bytes.len() as u64 >= pack_from {
+                section.packed = super::packed::pack(section.bytes, section.item_size);
+            }
+        }
+        container::write(&sections)
     }
 
     /// A triangle.
@@ -283,7 +288,12 @@ fn view<T: Pod>(
         let text = format!("section '{name}' has items of {} bytes, not {}", entry.item_size, size_of::<T>());
         return Err(FormatError::Table(text));
     }
-    View::new(storage, entry.offset as usize..(entry.offset + entry.len) as usize)
+    if entry.is_packed() {
+        let stored = &storage.bytes()[entry.range()];
+        let items = Arc::new(super::packed::unpack(name, stored, entry.unpacked, entry.item_size)?);
+        return View::new(&items, 0..items.bytes().len());
+    }
+    View::new(storage, entry.range())
 }
 
 impl Views {
@@ -300,11 +310,12 @@ impl Views {
                 return Err(FormatError::Unknown(entry.name()));
             }
         }
-        let mut views = Views::find(&storage, &table)?;
         if checked {
-            let own = table.iter().filter_map(|entry| Some((views.bytes(&entry.name())?, entry)));
-            own.into_iter().try_for_each(|(bytes, entry)| container::check(bytes, entry))?;
+            let mut own = table.iter().filter(|entry| Views::NAMES.contains(&entry.name().as_str()));
+            own.try_for_each(|entry| container::check(&storage.bytes()[entry.range()], entry))?;
         }
+        let mut views = Views::find(&storage, &table)?;
+        views.file = View::new(&storage, 0..storage.bytes().len())?;
         if views.scene.len() != 1 {
             return Err(FormatError::Table(format!("{} scene records", views.scene.len())));
         }
@@ -320,9 +331,7 @@ impl Views {
     /// Checks the sections of the map as [`Views::open`] does the others.
     pub(crate) fn check_map(&self) -> Result<(), FormatError> {
         for entry in &*self.map_unchecked {
-            let name = entry.name();
-            let bytes = self.map.as_ref().and_then(|map| map.bytes(&name)).unwrap_or_default();
-            container::check(bytes, entry)?;
+            container::check(&self.file[entry.range()], entry)?;
         }
         super::map::check(self)
     }
@@ -389,7 +398,8 @@ impl Views {
             }
             block
         };
-        self.leaves.chunks(LANES).map(group).collect()
+        let items = |number: usize| &self.leaves[LANES * number..self.leaves.len().min(LANES * (number + 1))];
+        parallel::map(self.leaves.len().div_ceil(LANES), |number| group(items(number)))
     }
 }
 

@@ -164,6 +164,106 @@ fn the_file_is_laid_out_as_documented() {
     assert!(end <= file.len() && file.len() - end < 64);
 }
 
+/// The house, its large sections packed however small they are.
+fn packed_house() -> Vec<u8> {
+    let mut options = with_map();
+    options.pack_from = 0;
+    compile(&house_model(), &options).unwrap().bytes
+}
+
+#[test]
+fn packed_sections_hold_the_same() {
+    let (plain, packed) = (house(), packed_house());
+    assert!(packed.len() < plain.len());
+    assert_eq!(enf::u64_at(&packed, 16), 1);
+    let mut shorter = Vec::new();
+    for (index, (one, other)) in enf::sections(plain).into_iter().zip(enf::sections(&packed)).enumerate() {
+        assert_eq!((&one.name, one.item), (&other.name, other.item));
+        let items = &plain[one.start..one.start + one.length];
+        let stored = &packed[other.start..other.start + other.length];
+        let (flags, unpacked) =
+            (packed[enf::row(index) + 12], enf::u64_at(&packed, enf::row(index) + 48) as usize);
+        if flags & 2 == 0 {
+            assert!(stored == items && unpacked == 0, "{}", one.name);
+            continue;
+        }
+        // By docs/FORMAT.md.
+        assert_eq!(unpacked, items.len());
+        shorter.push(one.name);
+        let size = 65_520 / one.item * one.item;
+        let mut block = 4 * items.len().div_ceil(size);
+        for (number, items) in items.chunks(size).enumerate() {
+            let length = enf::u32_at(stored, 4 * number) as usize;
+            let bytes = &stored[block..block + length];
+            let bytes = match length == items.len() {
+                true => bytes.to_vec(),
+                false => lz4_flex::block::decompress(bytes, items.len()).unwrap(),
+            };
+            let count = items.len() / one.item;
+            for (i, byte) in items.iter().enumerate() {
+                assert_eq!(*byte, bytes[i % one.item * count + i / one.item]);
+            }
+            block += length;
+        }
+        assert_eq!(block, stored.len());
+    }
+    assert_eq!(shorter, ["vertices", "triangles", "leaves"]);
+    let [plain, packed] = [plain, &packed[..]].map(|file| Scene::from_bytes(file).unwrap());
+    assert!(told(&plain) == told(&packed));
+    let rays = rays(2000);
+    assert!(traced(&plain, &rays) == traced(&packed, &rays));
+    assert!(packed.building().unwrap() == plain.building().unwrap());
+}
+
+#[test]
+fn damaged_packed_sections_do_no_harm() {
+    let whole = packed_house();
+    let mut random = Random::new(9);
+    let (mut opened, mut refused) = (0, 0);
+    for section in enf::sections(&whole) {
+        let index = enf::sections(&whole).iter().position(|s| s.name == section.name).unwrap();
+        if whole[enf::row(index) + 12] & 2 == 0 {
+            // What is no packed section says that it is one.
+            let mut file = whole.clone();
+            enf::put(&mut file, enf::row(index) + 12, &[3]);
+            enf::put(&mut file, enf::row(index) + 48, &(section.length as u64).to_le_bytes());
+            enf::seal(&mut file);
+            let is_optional = whole[enf::row(index) + 12] == 0;
+            assert!(
+                Scene::from_bytes(&file).is_err() || is_optional || section.length == 0,
+                "{}",
+                section.name
+            );
+            continue;
+        }
+        for _ in 0..200 {
+            let mut file = whole.clone();
+            for _ in 0..1 + random.below(3) {
+                file[section.start + random.below(section.length)] = random.below(256) as u8;
+            }
+            assert!(matches!(Scene::from_bytes(&file), Err(FormatError::Checksum(_))) || file == whole);
+            enf::seal(&mut file);
+            match Scene::from_bytes(&file) {
+                Ok(scene) => {
+                    traced(&scene, &rays(20));
+                    opened += 1;
+                }
+                Err(error) => {
+                    assert!(!error.to_string().is_empty());
+                    refused += 1;
+                }
+            }
+        }
+        for unpacked in [0, section.item as u64, u64::MAX / 12 * 12, 1 << 40] {
+            let mut file = whole.clone();
+            enf::put(&mut file, enf::row(index) + 48, &unpacked.to_le_bytes());
+            enf::seal(&mut file);
+            assert!(Scene::from_bytes(&file).is_err(), "{} of {unpacked} bytes", section.name);
+        }
+    }
+    assert!(opened > 20 && refused > 200, "{opened} {refused}");
+}
+
 #[test]
 fn unknown_sections_are_skipped_unless_required() {
     let extended = enf::with_section(house(), "acoustics", 0, b"absorption of everything");

@@ -22,12 +22,14 @@ pub fn check(file: &[u8]) {
     }
 }
 
-/// A section: its row in the table without offset, length and checksum, and its bytes.
+/// A section: its row in the table without offset, length and checksum, and its bytes as they lie in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     name: [u8; 12],
     flags: u32,
     item: u64,
+    /// Bytes of its items, if it is packed.
+    unpacked: u64,
     bytes: Vec<u8>,
 }
 
@@ -48,7 +50,8 @@ pub fn sections(file: &[u8]) -> Option<([u8; 32], Vec<Section>)> {
         let start = usize::try_from(u64_at(row, 16)?).ok()?;
         let end = start.checked_add(usize::try_from(u64_at(row, 24)?).ok()?)?;
         let bytes = file.get(start..end)?.to_vec();
-        Some(Section { name: *row.first_chunk()?, flags: u32_at(row, 12)?, item: u64_at(row, 32)?, bytes })
+        let (flags, item, unpacked) = (u32_at(row, 12)?, u64_at(row, 32)?, u64_at(row, 48)?);
+        Some(Section { name: *row.first_chunk()?, flags, item, unpacked, bytes })
     };
     Some((head, (0..count).map(section).collect::<Option<_>>()?))
 }
@@ -67,6 +70,7 @@ pub fn file(head: &[u8; 32], sections: &[Section]) -> Vec<u8> {
         put(24, &(section.bytes.len() as u64).to_le_bytes());
         put(32, &section.item.to_le_bytes());
         put(40, &XxHash3_64::oneshot(&section.bytes).to_le_bytes());
+        put(48, &section.unpacked.to_le_bytes());
         let start = file.len() as u64;
         file[row + 16..row + 24].copy_from_slice(&start.to_le_bytes());
         file.extend(&section.bytes);
@@ -113,12 +117,16 @@ pub fn mutate(
 
 /// Changes which sections there are, or what one's row says.
 fn mutate_table(sections: &mut Vec<Section>, index: usize, random: &mut Random) {
-    match random.below(6) {
+    match random.below(7) {
         0 => drop(sections.remove(index)),
         1 if sections.len() < MOST_SECTIONS => sections.push(sections[index].clone()),
         2 => change_number(&mut sections[index].name, random),
-        3 => sections[index].flags ^= 1,
+        3 => sections[index].flags ^= *random.pick(&[1, 2]),
         4 => sections[index].item = *random.pick(&[0, 1, 4, 8, 24, u64::MAX]),
+        5 => {
+            let section = &mut sections[index];
+            section.unpacked = *random.pick(&[0, section.item, section.unpacked / 2, u64::MAX]);
+        }
         _ => {
             let other = random.below(sections.len());
             sections.swap(index, other);
@@ -189,9 +197,12 @@ mod tests {
     #[test]
     fn checksums_of_mutated_files_are_right_and_some_open() {
         let plain = |_: &mut [u8], size: usize, _: usize| size;
-        let seed = &crate::seeds::enf()[0].1;
+        let seeds = crate::seeds::enf();
+        assert_eq!(seeds[0].1[16], 0);
+        assert_eq!(seeds[1].1[16], 1, "with packed sections");
         let (mut checksums, mut opened) = (0, 0);
         for round in 0..1000 {
+            let seed = &seeds[round as usize % 2].1;
             let mut data = seed.clone();
             data.resize(seed.len() + 4096, 0);
             let max = data.len();
