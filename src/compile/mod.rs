@@ -27,13 +27,14 @@ use enfilade_importers::{
 };
 
 #[cfg(feature = "render")]
+use self::bvh::Splits;
 pub(crate) use self::bvh::over_boxes;
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
 use crate::derive::{self, DeriveOptions};
 use crate::format::records::{
-    CameraRecord, Leaf, LightRecord, MaterialRecord, NodeRecord, RunRecord, SceneRecord, SourceRecord,
-    Traits, VolumeRecord,
+    CameraRecord, Leaf, LightRecord, MaterialRecord, RunRecord, SceneRecord, SourceRecord, Traits,
+    VolumeRecord,
 };
 use crate::format::{MapTables, Tables};
 use crate::partition::cells::Partition;
@@ -391,12 +392,14 @@ fn add_detail(
         }
     }
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
-    run.budget.take_items(
-        pairs.len() as u64 + all,
-        // Building one, a leaf of its own, and at most a node for four triangles.
-        2 * 160 + 32 + size_of::<NodeRecord>() / 4,
-        "the hierarchies of boxes",
-    )?;
+    // Where memory is short they are built over whole triangles: rays take longer, answers are the same.
+    let mut take = |splits: Splits| {
+        run.budget.take_items(pairs.len() as u64 + all, splits.bytes_each(), "the hierarchies of boxes")
+    };
+    let splits = match take(Splits::Parts) {
+        Ok(()) => Splits::Parts,
+        Err(_) => take(Splits::None).map(|()| Splits::None)?,
+    };
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
     let depth = run.stage("hierarchy", || {
         let owned = detail::by_cell(&pairs);
@@ -413,7 +416,7 @@ fn add_detail(
         let build = |(owner, ids): (Owner, Vec<u32>)| {
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();
-            let hierarchy = bvh::build(&corners, center, slack);
+            let hierarchy = bvh::build(&corners, center, slack, splits);
             let part = hierarchy.part(&corners, center, slack);
             (owner, hierarchy, part, ids)
         };
@@ -434,12 +437,12 @@ fn add_detail(
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let rest: Vec<u32> = (0..gathered.detail_triangles).filter(|&t| !is_below[t as usize]).collect();
             let own: Vec<[[f64; 3]; 3]> = rest.iter().map(|&t| corners(t)).collect();
-            bvh::build_over(&own, &parts, center, slack).map(|hierarchy| (hierarchy, rest)).unwrap_or_else(
-                || {
+            bvh::build_over(&own, &parts, center, slack, splits)
+                .map(|hierarchy| (hierarchy, rest))
+                .unwrap_or_else(|| {
                     let all: Vec<[[f64; 3]; 3]> = (0..gathered.detail_triangles).map(corners).collect();
-                    (bvh::build(&all, center, slack), (0..gathered.detail_triangles).collect())
-                },
-            )
+                    (bvh::build(&all, center, slack, splits), (0..gathered.detail_triangles).collect())
+                })
         });
         let mut own = (0, 0);
         if let Some((hierarchy, rest)) = over {

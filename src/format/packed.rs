@@ -131,9 +131,9 @@ mod tests {
     /// Items much like their neighbours; of noise.
     fn bytes(count: usize, item: usize, noise: bool) -> Vec<u8> {
         let mut random = crate::splitmix::SplitMix64::new(1);
-        let mut byte =
-            |i: usize| if noise { random.bits() as u8 } else { (i / item / 7 >> (i % item).min(9)) as u8 };
-        (0..count * item).map(|i| byte(i)).collect()
+        let byte =
+            |i: usize| if noise { random.bits() as u8 } else { ((i / item / 7) >> (i % item).min(9)) as u8 };
+        (0..count * item).map(byte).collect()
     }
 
     #[test]

@@ -13,6 +13,7 @@ use enfilade::partition::cells::{Cell, Label, NONE, Partition};
 use enfilade::partition::{PartitionError, PartitionOptions, PartitionReport, partition, six_volume};
 use enfilade::roles::roles;
 use enfilade::{CompileError, CompileOptions, Place, Ray, Start, Want, compile};
+use enfilade_testing::Random;
 
 fn cut(model: &Model) -> (Partition, PartitionReport) {
     partition(model, &PartitionOptions::default()).unwrap()
@@ -168,6 +169,26 @@ fn partitions_keep_to_their_budget() {
     let report = compile(&model, &options).unwrap().report;
     assert!(whole.cells > 1 && report.cells == 1, "{} {}", whole.cells, report.cells);
     assert!(report.warnings.iter().any(|w| w.contains("--max-memory")), "{:?}", report.warnings);
+}
+
+/// Over parts of triangles they take more memory, which is not always there.
+#[test]
+fn hierarchies_keep_to_their_budget() {
+    let model = house(&HouseOptions::default()).to_model().unwrap();
+    let mut options = CompileOptions::default();
+    options.cells = false;
+    let usual = compile(&model, &options).unwrap();
+    options.limits = Limits::default().with_max_memory(usual.report.peak_budget_bytes - 1);
+    let less = compile(&model, &options).unwrap();
+    assert!(less.report.peak_budget_bytes < usual.report.peak_budget_bytes * 2 / 3);
+    let [usual, less] = [usual.scene(), less.scene()];
+    let mut random = Random::new(3);
+    for _ in 0..500 {
+        let ray = Ray::new(random.point([0.0, 0.0, 0.0], [12.0, 10.0, 3.0]), random.direction());
+        let [one, other] =
+            [&usual, &less].map(|scene| scene.trace_from(Start::Anywhere, &ray, Want::LEAST).answer());
+        assert_eq!(format!("{one:?}"), format!("{other:?}"));
+    }
 }
 
 #[test]
