@@ -18,13 +18,14 @@ use super::output;
 /// Ends with exit code 1 on any wrong answer, leak, panic, disagreement between ways, or where it is stuck. The report depends on the options alone, but for times.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long --rays 1000000000              hours: all trials\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
+    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long                                hours on many cores: all trials, a billion rays\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
 )]
 pub struct Arguments {
-    /// Rays in all, shared evenly among trials and families.
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    rays: u64,
-    /// Run the trials of the long mode, too.
+    /// Rays in all, shared evenly among trials and families, but for a corridor of ten kilometres, which gets few.
+    /// A million by default; with --long a billion.
+    #[arg(long, value_name = "N")]
+    rays: Option<u64>,
+    /// The long mode: more trials, more rays, a day of a core.
     #[arg(long)]
     long: bool,
     /// Only trials whose name holds one of these.
@@ -65,7 +66,7 @@ fn parse_family(name: &str) -> Result<Family, String> {
 
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut options = StressOptions::default();
-    options.rays = arguments.rays;
+    options.rays = arguments.rays.unwrap_or(if arguments.long { 1_000_000_000 } else { 1_000_000 });
     options.long = arguments.long;
     options.trials = arguments.trials.clone();
     options.families = arguments.families.clone();
