@@ -236,7 +236,7 @@ fn damaged_packed_sections_do_no_harm() {
             );
             continue;
         }
-        for _ in 0..200 {
+        for _ in 0..40 {
             let mut file = whole.clone();
             for _ in 0..1 + random.below(3) {
                 file[section.start + random.below(section.length)] = random.below(256) as u8;
@@ -261,7 +261,7 @@ fn damaged_packed_sections_do_no_harm() {
             assert!(Scene::from_bytes(&file).is_err(), "{} of {unpacked} bytes", section.name);
         }
     }
-    assert!(opened > 20 && refused > 200, "{opened} {refused}");
+    assert!(opened > 3 && refused > 40, "{opened} {refused}");
 }
 
 #[test]
