@@ -28,17 +28,17 @@ pub(super) struct Hierarchy {
 /// Whether a hierarchy may be built over parts of triangles ([`parts_of`]): it can take [`MOST_PARTS`] times the memory, besides that for one over
 /// whole ones, beside which its cost is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Splits {
+pub(super) enum TriangleSplits {
     None,
     Parts,
 }
 
-impl Splits {
+impl TriangleSplits {
     /// Bytes that hierarchies of so many triangles take at most, for each, while they are built.
     pub(super) fn bytes_each(self) -> usize {
         let boxes = match self {
-            Splits::None => 1,
-            Splits::Parts => 1 + MOST_PARTS,
+            TriangleSplits::None => 1,
+            TriangleSplits::Parts => 1 + MOST_PARTS,
         };
         // Building one, a leaf of its own, and at most a node for four boxes.
         boxes * (2 * 160 + 32 + size_of::<NodeRecord>() / 4)
@@ -125,7 +125,7 @@ pub(super) fn build_over(
     parts: &[Part],
     center: [f64; 3],
     slack: f32,
-    splits: Splits,
+    splits: TriangleSplits,
 ) -> Option<Hierarchy> {
     build_with(triangles, parts, center, slack, splits, REINSERTED)
 }
@@ -135,7 +135,7 @@ fn build_with(
     parts: &[Part],
     center: [f64; 3],
     slack: f32,
-    splits: Splits,
+    splits: TriangleSplits,
     reinserted: f32,
 ) -> Option<Hierarchy> {
     let below = parts.iter().map(|part| part.depth).max().unwrap_or(0);
@@ -147,8 +147,8 @@ fn build_with(
         // What is in no other hierarchy is mostly walls, large and often oblique.
         let rounded = rounded(triangles, center);
         let boxes = match splits {
-            Splits::None => whole(&rounded),
-            Splits::Parts => parts_of(&rounded),
+            TriangleSplits::None => whole(&rounded),
+            TriangleSplits::Parts => parts_of(&rounded),
         };
         let binary = binary(&rounded, boxes, parts, reinserted);
         Collapse { binary: &binary, triangles: triangles.len() as u32, slack, out: Hierarchy::default() }
@@ -162,7 +162,7 @@ fn build_with(
 /// be nested too deeply.
 pub(crate) fn over_boxes(bounds: &[[[f32; 3]; 2]]) -> Option<Vec<NodeRecord>> {
     let parts: Vec<Part> = bounds.iter().map(|&bounds| Part { bounds, depth: 0 }).collect();
-    let mut nodes = build_with(&[], &parts, [0.0; 3], 0.0, Splits::None, FEW_REINSERTED)?.nodes;
+    let mut nodes = build_with(&[], &parts, [0.0; 3], 0.0, TriangleSplits::None, FEW_REINSERTED)?.nodes;
     for child in nodes.iter_mut().flat_map(|node| &mut node.child) {
         if *child != NONE && *child & (Leaf::BIT | SUBTREE) == SUBTREE {
             *child = *child & !SUBTREE | Leaf::BIT;
@@ -197,7 +197,12 @@ fn rounded(triangles: &[[[f64; 3]; 3]], center: [f64; 3]) -> Vec<Triangle> {
 }
 
 /// The hierarchy over triangles given by their corners, boxes relative to `center`.
-pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32, splits: Splits) -> Hierarchy {
+pub(super) fn build(
+    triangles: &[[[f64; 3]; 3]],
+    center: [f64; 3],
+    slack: f32,
+    splits: TriangleSplits,
+) -> Hierarchy {
     if triangles.is_empty() {
         return Hierarchy::default();
     }
@@ -210,7 +215,7 @@ pub(super) fn build(triangles: &[[[f64; 3]; 3]], center: [f64; 3], slack: f32, s
     let collapse =
         |binary: &Bvh2| Collapse { binary, triangles: count, slack, out: Hierarchy::default() }.run();
     let mut hierarchy = collapse(&binary(&rounded, whole(&rounded), &[], REINSERTED));
-    let split = (splits == Splits::Parts).then(|| parts_of(&rounded));
+    let split = (splits == TriangleSplits::Parts).then(|| parts_of(&rounded));
     if let Some(split) = split.filter(|split| split.0.len() > triangles.len()) {
         let of_parts = collapse(&binary(&rounded, split, &[], REINSERTED));
         if of_parts.cost < WORTH * hierarchy.cost {
@@ -497,7 +502,7 @@ mod tests {
                 [[0.0; 3], [size, 0.0, 0.0], [0.0, size, f64::from(i) * 1e-9]]
             })
             .collect();
-        let hierarchy = build(&triangles, [0.0; 3], 1e-6, Splits::Parts);
+        let hierarchy = build(&triangles, [0.0; 3], 1e-6, TriangleSplits::Parts);
         assert!(hierarchy.depth <= MAX_DEPTH, "{}", hierarchy.depth);
         let rounded: Vec<Triangle> = triangles
             .iter()
@@ -538,8 +543,8 @@ mod tests {
             Collapse { binary, triangles: 3300, slack: 1e-5, out: Hierarchy::default() }.run().cost
         };
         let whole = collapse(&binary(&rounded, whole(&rounded), &[], REINSERTED));
-        let built = build(&triangles, [0.0; 3], 1e-5, Splits::Parts);
-        let unsplit = build(&triangles, [0.0; 3], 1e-5, Splits::None);
+        let built = build(&triangles, [0.0; 3], 1e-5, TriangleSplits::Parts);
+        let unsplit = build(&triangles, [0.0; 3], 1e-5, TriangleSplits::None);
         assert_eq!((unsplit.cost, unsplit.leaves.iter().flatten().count()), (whole, 3300));
         assert!(built.cost < 0.9 * whole, "{} of {whole}", built.cost);
         let mut found: Vec<u32> = built.leaves.iter().flatten().copied().collect();
@@ -559,7 +564,7 @@ mod tests {
                 [[at(0), at(1), at(2)], [at(3), at(1), at(2)], [at(0), at(4), at(5)]]
             })
             .collect();
-        let hierarchy = build(&triangles, [50.0; 3], 1e-4, Splits::Parts);
+        let hierarchy = build(&triangles, [50.0; 3], 1e-4, TriangleSplits::Parts);
         let mut found = vec![false; triangles.len()];
         for &triangle in hierarchy.leaves.iter().flatten() {
             found[triangle as usize] = true;
@@ -642,7 +647,7 @@ mod tests {
             for count in &groups {
                 let ids: Vec<u32> = (first..first + count).collect();
                 let own: Vec<_> = ids.iter().map(|&t| all[t as usize]).collect();
-                let hierarchy = build(&own, [50.0; 3], 1e-4, Splits::Parts);
+                let hierarchy = build(&own, [50.0; 3], 1e-4, TriangleSplits::Parts);
                 let part = hierarchy.part(&own, [50.0; 3], 1e-4).unwrap();
                 built.push((hierarchy, part, ids));
                 first += count;
@@ -650,7 +655,7 @@ mod tests {
             let rest: Vec<u32> = (first..if groups == [1, 1] { first + 3 } else { 900 }).collect();
             let own: Vec<_> = rest.iter().map(|&t| all[t as usize]).collect();
             let parts: Vec<Part> = built.iter().map(|(_, part, _)| *part).collect();
-            let over = build_over(&own, &parts, [50.0; 3], 1e-4, Splits::Parts).unwrap();
+            let over = build_over(&own, &parts, [50.0; 3], 1e-4, TriangleSplits::Parts).unwrap();
             let (count, depth) = (over.nodes.len(), over.depth);
             assert!(depth > parts.iter().map(|part| part.depth).max().unwrap() && depth <= MAX_DEPTH);
             let mut tables = Tables::default();
@@ -667,6 +672,6 @@ mod tests {
         }
         // Nested as deeply as is allowed, there is no room above.
         let deep = Part { bounds: [[0.0; 3], [1.0; 3]], depth: MAX_DEPTH };
-        assert!(build_over(&all[..3], &[deep], [50.0; 3], 1e-4, Splits::Parts).is_none());
+        assert!(build_over(&all[..3], &[deep], [50.0; 3], 1e-4, TriangleSplits::Parts).is_none());
     }
 }

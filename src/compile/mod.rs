@@ -27,7 +27,7 @@ use enfilade_importers::{
 };
 
 #[cfg(feature = "render")]
-use self::bvh::Splits;
+use self::bvh::TriangleSplits;
 pub(crate) use self::bvh::over_boxes;
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};
@@ -393,12 +393,12 @@ fn add_detail(
     }
     let all = if zone.is_some() { u64::from(gathered.detail_triangles) } else { 0 };
     // Where memory is short they are built over whole triangles: rays take longer, answers are the same.
-    let mut take = |splits: Splits| {
+    let mut take = |splits: TriangleSplits| {
         run.budget.take_items(pairs.len() as u64 + all, splits.bytes_each(), "the hierarchies of boxes")
     };
-    let splits = match take(Splits::Parts) {
-        Ok(()) => Splits::Parts,
-        Err(_) => take(Splits::None).map(|()| Splits::None)?,
+    let splits = match take(TriangleSplits::Parts) {
+        Ok(()) => TriangleSplits::Parts,
+        Err(_) => take(TriangleSplits::None).map(|()| TriangleSplits::None)?,
     };
     let (center, slack) = (tables.scene[0].center, tables.scene[0].slack);
     let depth = run.stage("hierarchy", || {
