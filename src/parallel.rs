@@ -14,24 +14,18 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -
 }
 
 /// Calls `f` with the number and the items of each part of `size` items, the last one perhaps shorter; an error, if there is any.
-#[cfg(feature = "rayon")]
 pub(crate) fn try_for_chunks<T: Send, E: Send>(
     items: &mut [T],
     size: usize,
     f: impl Fn(usize, &mut [T]) -> Result<(), E> + Sync + Send,
 ) -> Result<(), E> {
-    use rayon::prelude::*;
-    items.par_chunks_mut(size).enumerate().try_for_each(|(number, part)| f(number, part))
-}
-
-/// Calls `f` with the number and the items of each part of `size` items, the last one perhaps shorter; the first error, if there is any.
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn try_for_chunks<T: Send, E: Send>(
-    items: &mut [T],
-    size: usize,
-    f: impl Fn(usize, &mut [T]) -> Result<(), E> + Sync + Send,
-) -> Result<(), E> {
-    items.chunks_mut(size).enumerate().try_for_each(|(number, part)| f(number, part))
+    #[cfg(feature = "rayon")]
+    let parts = rayon::slice::ParallelSliceMut::par_chunks_mut(items, size);
+    #[cfg(feature = "rayon")]
+    use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+    #[cfg(not(feature = "rayon"))]
+    let parts = items.chunks_mut(size);
+    parts.enumerate().try_for_each(|(number, part)| f(number, part))
 }
 
 /// The results of both, made at the same time if there are threads.

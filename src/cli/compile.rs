@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "no_cells")]
     topology: bool,
     /// Pack nothing: every section is a plain array, for readers that map the file themselves. Of a
-    /// large building it is twice as long.
+    /// large building it is nearly twice as long.
     #[arg(long)]
     plain: bool,
     /// Print the report as JSON.
