@@ -94,7 +94,7 @@ pub(crate) fn pierce(line: &Line, corners: &Corners, size: Size) -> Option<f64> 
         } else if side < -error {
             -1
         } else {
-            exact_side(line, corners[(index + 1) % 3], corners[(index + 2) % 3])
+            sure_side(line, corners[(index + 1) % 3], corners[(index + 2) % 3], side)
         };
         left |= sign > 0;
         right |= sign < 0;
@@ -116,8 +116,27 @@ pub(crate) fn sides(line: &Line, corners: &Corners) -> [f64; 3] {
     ]
 }
 
-/// The sign of `d . ((b - o) x (c - o))`.
+/// The sign of `d . ((b - o) x (c - o))`, which f64 takes for `side`: as it says where this edge's own size settles it, which may be far smaller than
+/// the triangle's, and the corner far nearer than the farthest.
 #[cold]
+fn sure_side(line: &Line, b: [f64; 3], c: [f64; 3], side: f64) -> i32 {
+    let error = side_error(line, b, c);
+    if side > error {
+        1
+    } else if side < -error {
+        -1
+    } else {
+        exact_side(line, b, c)
+    }
+}
+
+/// Bounds the error of one edge's side. What underflows is left to exact arithmetic.
+fn side_error(line: &Line, b: [f64; 3], c: [f64; 3]) -> f64 {
+    const LEAST: f64 = 1e-200;
+    SIDE_ERROR * max_abs(sub(b, line.origin)) * max_abs(sub(c, b)) + LEAST
+}
+
+/// The sign of `d . ((b - o) x (c - o))`.
 fn exact_side(line: &Line, b: [f64; 3], c: [f64; 3]) -> i32 {
     // In one plane across an axis, as with a ray along a floor.
     let is_flat = |i: usize| line.direction[i] == 0.0 && b[i] == line.origin[i] && c[i] == line.origin[i];
@@ -276,6 +295,31 @@ mod tests {
         let height = 2f64.powi(-33);
         let t = hit(Ray::new([0.0, w / 16.0, height], [1.0, 0.0, 0.0]), corners).unwrap();
         assert!((t - 128.0).abs() <= T_ERROR * 129.0, "{t}");
+    }
+
+    #[test]
+    fn sides_that_are_sure_are_those_of_exact_arithmetic() {
+        let mut random = crate::oracle::random::Random::new(5, 0, 0);
+        let mut point = |size: f64| [0; 3].map(|_| random.between(-size, size));
+        let (mut sure, mut both) = (0, [0, 0]);
+        for step in 0..20_000 {
+            // Edges of all sizes, the ray's origin near them and far; aimed at the edge but for roundings and a little more.
+            let size = 2f64.powi(step % 40 - 30);
+            let (base, far) = (point(100.0), point(2f64.powi(step % 23 - 12)));
+            let [b, c] = [point(size), point(size)].map(|p| [0, 1, 2].map(|i| base[i] + p[i]));
+            let origin = [0, 1, 2].map(|i| b[i] + far[i]);
+            let aside = point(size * 2f64.powi(-30 - step % 29));
+            let target = [0, 1, 2].map(|i| b[i] + 0.3 * (c[i] - b[i]) + aside[i]);
+            let Some(line) = Line::new(&Ray::new(origin, sub(target, origin))) else { continue };
+            let side = dot(line.direction, cross(sub(b, origin), sub(c, b)));
+            let exact = exact_side(&line, b, c);
+            assert_eq!(sure_side(&line, b, c, side), exact, "{line:?} {b:?} {c:?}");
+            sure += usize::from(side.abs() > side_error(&line, b, c));
+            both[usize::from(exact > 0)] += 1;
+        }
+        // Neither way alone, and neither sign.
+        assert!((2_000..18_000).contains(&sure), "{sure}");
+        assert!(both.iter().all(|count| *count > 5_000), "{both:?}");
     }
 
     #[test]
