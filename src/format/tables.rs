@@ -19,7 +19,7 @@ use super::records::{
 use super::storage::{Storage, View};
 use crate::parallel;
 use crate::trace::{
-    AirGrid, Finder, Guess, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, plate_of, step_of,
+    AirGrid, Finder, Guess, NONE, Part, Plate, Prisms, Shape, Split, Splits, Step, Tiles, step_of,
 };
 
 /// Deepest hierarchy of boxes that a kernel's stack is made for.
@@ -349,8 +349,7 @@ impl Views {
         let prisms = Prisms::new(self);
         let mut splits = Splits::default();
         let steps: Vec<Step> = self.cells.iter().map(|cell| step_of(&prisms, cell, &mut splits)).collect();
-        let plate = |plane: u32| plate_of(&self.triangles, &self.vertices, plane);
-        let plates: Vec<Plate> = self.sources.iter().map(|source| plate(source.plane)).collect();
+        let plates: Vec<Plate> = self.sources.iter().map(|source| Plate::of(self, source)).collect();
         let finder = Finder::new(&self.scene[0], &self.cells, &steps);
         (self.steps, self.plates) = (View::own(steps), View::own(plates));
         (self.splits, self.parts) = (View::own(splits.splits), View::own(splits.parts));

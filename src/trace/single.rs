@@ -10,7 +10,7 @@ use super::lanes::Portable;
 use super::onward::is_at_start;
 use super::path::Prisms;
 #[cfg(feature = "render")]
-use super::plate::plate_of;
+use super::plate::{Plate, plate_of};
 use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
@@ -217,6 +217,12 @@ impl Scene {
         }
         let (tmin, tmax) = (ray.tmin, ray.tmax);
         let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
+        if let Some(plate) = self.tables.plates.get(source as usize)
+            && plate.triangle == found.triangle
+            && let CellRecord { kind: CellRecord::AIR, room, .. } = self.tables.cells[cell as usize]
+        {
+            return self.describe_plate(&line, plate, (found.t, source), (cell, room), want);
+        }
         let mut hit = self.describe(&line, Ended { found, cell, in_matter: false }, want);
         if want.triangle
             && source != NONE
@@ -227,7 +233,41 @@ impl Scene {
         hit
     }
 
+    /// The same of a plain face, from its plate: as [`Scene::describe`] has it of the plate's triangle.
+    #[inline(always)]
+    fn describe_plate(
+        &self,
+        line: &Line,
+        plate: &Plate,
+        (t, source): (f64, u32),
+        (cell, room): (u32, u32),
+        want: Want,
+    ) -> Hit {
+        let normal = DVec3::from(plate.normal);
+        let normal = if normal.dot(line.direction) > 0.0 { -normal } else { normal };
+        let point = line.origin + line.direction * t;
+        let mut triangle = plate.triangle;
+        if want.triangle {
+            let very = plate.told(point).or_else(|| self.very_triangle(line, source, t));
+            triangle = very.unwrap_or(triangle);
+        }
+        let kind = if want.face { Prisms::new(&self.tables).kind(cell, plate.triangle) } else { None };
+        Hit {
+            // Not -0.
+            t: t + 0.0,
+            point: point.to_array(),
+            normal: normal.to_array(),
+            element: plate.element,
+            semantic: kind.unwrap_or(self.tables.elements[plate.element as usize].semantic),
+            material: plate.material,
+            cell,
+            room,
+            triangle,
+        }
+    }
+
     /// The triangle of a source that the ray meets, where it meets its plane at `t`.
+    #[inline(never)]
     fn very_triangle(&self, line: &Line, source: u32, t: f64) -> Option<u32> {
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         let root = tables.sources.get(source as usize)?.root;

@@ -5,8 +5,9 @@ use crate::generate::{
     Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
 };
 use crate::splitmix::SplitMix64;
+use crate::trace::path::Prisms;
 use crate::trace::single::surface_of;
-use crate::trace::{Kernel, Place, Start, Want};
+use crate::trace::{Hit, Kernel, Place, Start, Want};
 use crate::{CompileOptions, Scene, compile};
 
 fn scene(building: &Building, style: &Style) -> Scene {
@@ -173,4 +174,39 @@ fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
     assert!(!quick(0, ray) && !quick(NONE, ray));
     let other = (0..scene.cells().len() as u32).filter(|&other| other != cell);
     assert!(other.into_iter().all(|other| !quick(other, ray)), "a ray starts in one cell only");
+}
+
+#[test]
+fn plates_tell_what_their_triangles_would() {
+    for (name, building) in
+        [("house", house(&HouseOptions::default())), ("tower", tower(&TowerOptions::default()))]
+    {
+        let scene = scene(&building, &Style::default());
+        let (tables, walk) = (&scene.tables, Walk::new(&scene.tables));
+        let (mut plates, mut told) = (0, 0);
+        for (cell, ray) in rays(&scene, 20_000, 8) {
+            let Some(quick) = scene.kernel.quick(tables, &ray, cell) else { continue };
+            if quick.source == NONE || quick.found.triangle == NONE {
+                continue;
+            }
+            let want = Want { room: true, face: true, triangle: false };
+            let hit = scene.describe_quick(&ray, &quick, want);
+            let by_triangle = scene.describe_quick(&ray, &Quick { source: NONE, ..quick }, want);
+            assert_eq!(hit, by_triangle, "{name}: {ray:?}");
+            assert_eq!(hit.normal.map(f64::to_bits), by_triangle.normal.map(f64::to_bits), "{name}: {ray:?}");
+            plates += 1;
+            // The very triangle, where one is told, is the one that is found by looking at all of them.
+            let (plate, point) = (&tables.plates[quick.source as usize], DVec3::from(hit.point));
+            let Some(triangle) = plate.told(point) else { continue };
+            told += 1;
+            let triangles = Prisms::new(tables).triangles_of(quick.source);
+            assert!(triangles.contains(&triangle), "{name}: {ray:?}");
+            if let Some(holder) = plate.holder(&walk, triangles, point) {
+                assert_eq!(triangle, holder, "{name}: {ray:?}");
+            }
+            let very = scene.describe_quick(&ray, &quick, Want::default());
+            assert_eq!(very, Hit { triangle, semantic: very.semantic, ..hit }, "{name}: {ray:?}");
+        }
+        assert!(plates > 5_000 && told > plates / 3, "{name}: {told} of {plates}");
+    }
 }
