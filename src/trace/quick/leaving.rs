@@ -6,13 +6,15 @@
 // Comparisons are written so that NaN is in doubt.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use glam::DVec3;
+
 use super::Way;
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, LANES, SideRecord};
 use crate::trace::NONE;
 use crate::trace::entries::Entries;
 use crate::trace::lanes::Lanes;
-use crate::trace::path::BLURRED;
+use crate::trace::path::{BLURRED, Prisms, outward};
 use crate::trace::ray::Ray;
 use crate::trace::step::{Step, link};
 
@@ -22,11 +24,11 @@ use crate::trace::step::{Step, link};
 /// cache.
 #[derive(Clone, Copy)]
 pub(in crate::trace) struct Exit {
-    /// Where, metres along it: to rounding of f64 if it is `EXACT`; else it leaves no later.
+    /// Where, metres along it: to rounding of f64 if it is by no edge of a simple prism; else it leaves no later.
     t: f64,
     /// A link of [`Step`]; [`Step::OTHER`] in doubt.
     pub(in crate::trace) link: u32,
-    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; else [`EXACT`].
+    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; else from [`ANY`] on.
     by: u32,
 }
 
@@ -34,7 +36,11 @@ pub(in crate::trace) struct Exit {
 pub(in crate::trace) const DOWN: usize = LANES;
 pub(in crate::trace) const UP: usize = LANES + 1;
 
-/// In the place of an edge: where it leaves is told.
+/// In the place of an edge, from this on: where it leaves is told. Of a prism that is not simple, and beside the number of its side; after the last
+/// come its floor and its ceiling.
+const ANY: u32 = 1 << 31;
+
+/// In the place of an edge: through what it leaves is not known.
 pub(super) const EXACT: u32 = u32::MAX;
 
 /// From the border of a floor or a ceiling a ray passes it no nearer than this, metres: somewhat more than cells are blurred.
@@ -59,18 +65,18 @@ impl Exit {
     /// Where a ray leaves the cell, to rounding of f64.
     #[inline(always)]
     pub(in crate::trace) fn exact_of(&self, tables: &Views, ray: &Ray, cell: u32) -> f64 {
-        if self.by == EXACT { self.t } else { exact(tables, ray, cell, self.by) }
+        if self.by >= ANY { self.t } else { exact(tables, ray, cell, self.by) }
     }
 
     /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; `None` if only the place is told.
     #[inline(always)]
     pub(super) fn by(&self) -> Option<usize> {
-        (self.by != EXACT).then_some(self.by as usize)
+        (self.by < ANY).then_some(self.by as usize)
     }
 
-    /// At a place that is told.
-    fn at(t: f64, link: u32) -> Exit {
-        Exit { t, link, by: EXACT }
+    /// At a place that is told, through a side of a prism that is not simple, after the last its floor or its ceiling.
+    fn at(t: f64, link: u32, side: usize) -> Exit {
+        Exit { t, link, by: ANY | side as u32 }
     }
 
     /// Through an edge, the floor or the ceiling, about there.
@@ -278,7 +284,30 @@ impl Way<'_> {
     /// Where the ray leaves the cell, to rounding of f64.
     #[inline(always)]
     pub(super) fn exact(&self, exit: &Exit, cell: u32) -> f64 {
-        if exit.by == EXACT { exit.t } else { self.passes(cell, exit.by as usize) }
+        if exit.by >= ANY { exit.t } else { self.passes(cell, exit.by as usize) }
+    }
+
+    /// The outward normal of what the ray leaves a cell through, of any length, along the lattice's axes; `None` where that is not known.
+    pub(super) fn outward(&self, exit: &Exit, cell: u32) -> Option<DVec3> {
+        let (prisms, record) = (Prisms::new(self.tables), &self.tables.cells[cell as usize]);
+        let (floor, ceiling) = (|| -prisms.upward(record.floor), || prisms.upward(record.ceiling));
+        Some(match exit.by() {
+            Some(DOWN) => floor(),
+            Some(UP) => ceiling(),
+            Some(corner) => {
+                let (step, next) = (&self.tables.steps[cell as usize], (corner + 1) % LANES);
+                outward([step.x[corner], step.y[corner]], [step.x[next], step.y[next]])
+            }
+            None => {
+                let (sides, side) = (prisms.sides_of(record), (exit.by & !ANY) as usize);
+                match side.checked_sub(sides.len()) {
+                    None => outward(sides[side].start, sides[(side + 1) % sides.len()].start),
+                    Some(0) => floor(),
+                    Some(1) => ceiling(),
+                    Some(_) => return None,
+                }
+            }
+        })
     }
 
     /// Where the ray passes an edge of a simple prism, or its floor or its ceiling.
@@ -424,7 +453,7 @@ impl Way<'_> {
         let blur = |grows: f64| BLURRED * (2.0 + slant * grows.abs());
         let (blur_floor, blur_ceiling) = (blur(falls), blur(rises));
         if over >= blur_floor && under >= blur_ceiling {
-            return Some(Exit::at(t, self.face(&sides[side], t, slant)?));
+            return Some(Exit::at(t, self.face(&sides[side], t, slant)?, side));
         }
         // Out of one of them, and well within the other there.
         let is_down = over <= -blur_floor;
@@ -443,7 +472,7 @@ impl Way<'_> {
         if !is_within {
             return None;
         }
-        Some(Exit::at(t, self.cover(cell, is_down, at, grows)?))
+        Some(Exit::at(t, self.cover(cell, is_down, at, grows)?, sides.len() + usize::from(!is_down)))
     }
 
     /// Where the part of a floor or ceiling leads that the ray passes.

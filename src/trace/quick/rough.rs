@@ -1,14 +1,13 @@
 //! What a ray meets where it comes to matter behind a face that is not plain: the source's own triangles, as the careful walk tests them.
 
-use super::{DOWN, Exit, UP, Way};
+use super::{Exit, Way};
 use crate::format::Views;
-use crate::format::records::LANES;
 use crate::trace::NONE;
 use crate::trace::cost::Count;
 use crate::trace::kernel::{Ask, Probe};
 use crate::trace::lanes::Portable;
 use crate::trace::meet::{Surfaces, runs_along};
-use crate::trace::path::{Prisms, outward};
+use crate::trace::path::Prisms;
 use crate::trace::ray::Ray;
 use crate::trace::step::Step;
 use crate::trace::walk::{Found, Query, Surface, Walk, walk};
@@ -48,16 +47,7 @@ pub(super) fn rough(
         return None;
     }
     let (way, prisms) = (Way::new(tables, ray)?, Prisms::new(tables));
-    let (by, step, record) = (exit.by()?, &tables.steps[cell as usize], &tables.cells[cell as usize]);
-    let normal = match by {
-        DOWN => -prisms.upward(record.floor),
-        UP => prisms.upward(record.ceiling),
-        corner => {
-            let next = (corner + 1) % LANES;
-            outward([step.x[corner], step.y[corner]], [step.x[next], step.y[next]])
-        }
-    };
-    let outward = prisms.turned_back(normal);
+    let outward = prisms.turned_back(way.outward(exit, cell)?);
     if runs_along(&prisms, tables.scene[0].tolerance, outward, way.direction) {
         return None;
     }
