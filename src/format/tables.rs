@@ -31,6 +31,9 @@ const MOST_BITS: u32 = 24;
 /// Coordinates beyond this, metres, are no building.
 const FARTHEST: f64 = 1e13;
 
+/// In the place of the room of a cell that is not of air.
+const NO_AIR: u32 = NONE - 1;
+
 macro_rules! sections {
     (
         $(#[$about:meta])* $tables:ident, $(#[$in_place:meta])* $views:ident, required: $required:literal
@@ -89,7 +92,7 @@ sections! {
     /// The tables of a scene that is being compiled.
     Tables,
     /// The tables of an opened scene, in place.
-    Views, required: true, also map: MapTables, MapViews, derived run_of: u32,
+    Views, required: true, also map: MapTables, MapViews, derived run_of: u32, derived semantics: u8, derived airs: u32,
     derived blocks: BlockRecord, derived steps: Step, derived plates: Plate, derived splits: Split,
     derived parts: Part, derived tiles: Tiles, derived shapes: Shape,
     derived airgrid: AirGrid, derived airguess: Guess, derived aircells: u32, derived map_unchecked: SectionEntry,
@@ -345,6 +348,10 @@ impl Views {
     /// Works out what is in no file: what rays need of triangles, of each cell and of each source, side by side.
     pub(crate) fn derive(&mut self) {
         self.run_of = View::own(self.runs_by_triangle());
+        // Beside each other: the records that they are of are large.
+        self.semantics = View::own(self.elements.iter().map(|element| element.semantic as u8).collect());
+        let air = |cell: &CellRecord| if cell.kind == CellRecord::AIR { cell.room } else { NO_AIR };
+        self.airs = View::own(self.cells.iter().map(air).collect());
         self.blocks = View::own(self.groups());
         let prisms = Prisms::new(self);
         let mut splits = Splits::default();
@@ -366,6 +373,12 @@ impl Views {
         // What kernels read of it first, in most cases.
         self.steps.get(cell as usize).is_some_and(Step::is_some)
             || self.cells.get(cell as usize).is_some_and(|cell| cell.kind == CellRecord::AIR)
+    }
+
+    /// The room of a cell of air, or [`NONE`]; `None` of others.
+    #[inline(always)]
+    pub(crate) fn room_of(&self, cell: u32) -> Option<u32> {
+        self.airs.get(cell as usize).copied().filter(|&room| room != NO_AIR)
     }
 
     /// A triangle.

@@ -219,7 +219,7 @@ impl Scene {
         let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
         if let Some(plate) = self.tables.plates.get(source as usize)
             && plate.triangle == found.triangle
-            && let CellRecord { kind: CellRecord::AIR, room, .. } = self.tables.cells[cell as usize]
+            && let Some(room) = self.tables.room_of(cell)
         {
             return self.describe_plate(&line, plate, (found.t, source), (cell, room), want);
         }
@@ -258,7 +258,7 @@ impl Scene {
             point: point.to_array(),
             normal: normal.to_array(),
             element: plate.element,
-            semantic: kind.unwrap_or(self.tables.elements[plate.element as usize].semantic),
+            semantic: kind.unwrap_or_else(|| self.semantic_of(plate.element)),
             material: plate.material,
             cell,
             room,
@@ -551,8 +551,8 @@ impl Scene {
         let scale = if normal.dot(line.direction) > 0.0 { -1.0 / size } else { 1.0 / size };
         let normal = if scale.is_finite() { normal * scale } else { DVec3::ZERO };
         let point = line.origin + line.direction * found.t;
-        let (cell, room) = match self.tables.cells[cell as usize] {
-            CellRecord { kind: CellRecord::AIR, room, .. } => (cell, room),
+        let (cell, room) = match self.tables.room_of(cell) {
+            Some(room) => (cell, room),
             _ if self.tables.cells.len() > 1 => self.air_at(point),
             _ if want.room => (cell, self.room_before(line, found.t)),
             _ => (cell, NONE),
@@ -564,12 +564,17 @@ impl Scene {
             point: point.to_array(),
             normal: normal.to_array(),
             element: record.element,
-            semantic: kind.unwrap_or(self.tables.elements[record.element as usize].semantic),
+            semantic: kind.unwrap_or_else(|| self.semantic_of(record.element)),
             material: record.material,
             cell,
             room,
             triangle: found.triangle,
         }
+    }
+
+    #[inline(always)]
+    fn semantic_of(&self, element: u32) -> u32 {
+        u32::from(self.tables.semantics[element as usize])
     }
 
     /// The cell of air at a surface that was not met on a walk through cells, and its room.
