@@ -160,6 +160,7 @@ fn build_with(
 
 /// The nodes of a hierarchy over boxes by themselves, relative to the scene's center: each child is a node, or with [`Leaf::BIT`] a box. `None` if it would
 /// be nested too deeply.
+#[cfg(feature = "render")]
 pub(crate) fn over_boxes(bounds: &[[[f32; 3]; 2]]) -> Option<Vec<NodeRecord>> {
     let parts: Vec<Part> = bounds.iter().map(|&bounds| Part { bounds, depth: 0 }).collect();
     let mut nodes = build_with(&[], &parts, [0.0; 3], 0.0, TriangleSplits::None, FEW_REINSERTED)?.nodes;

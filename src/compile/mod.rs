@@ -26,8 +26,8 @@ use enfilade_importers::{
     Budget, Cancelled, LightKind, Limits, Model, OverBudget, Role, Untagged, UpAxis, Watch,
 };
 
-#[cfg(feature = "render")]
 use self::bvh::TriangleSplits;
+#[cfg(feature = "render")]
 pub(crate) use self::bvh::over_boxes;
 use self::geometry::Gathered;
 use crate::building::{Building, NamedCells};

@@ -9,7 +9,9 @@
 //! ...  sections, each from a multiple of 64 on, gaps filled with zeros
 //! ```
 
-use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use bytemuck::{Pod, Zeroable};
+#[cfg(any(test, feature = "compile"))]
+use bytemuck::{bytes_of, cast_slice};
 use twox_hash::XxHash3_64;
 
 use super::FormatError;
@@ -96,10 +98,12 @@ impl SectionEntry {
     }
 }
 
+#[cfg(any(test, feature = "compile"))]
 fn padded(len: usize) -> usize {
     len.div_ceil(ALIGN) * ALIGN
 }
 
+#[cfg(any(test, feature = "compile"))]
 fn name_bytes(name: &str) -> [u8; 12] {
     let mut bytes = [0; 12];
     for (to, from) in bytes.iter_mut().zip(name.bytes()) {
@@ -109,6 +113,7 @@ fn name_bytes(name: &str) -> [u8; 12] {
 }
 
 /// A section to be written.
+#[cfg(any(test, feature = "compile"))]
 pub struct NewSection<'a> {
     /// Up to 12 ASCII letters.
     pub name: &'static str,
@@ -122,6 +127,7 @@ pub struct NewSection<'a> {
     pub packed: Option<Vec<u8>>,
 }
 
+#[cfg(any(test, feature = "compile"))]
 impl NewSection<'_> {
     /// The bytes in the file.
     fn stored(&self) -> &[u8] {
@@ -130,6 +136,7 @@ impl NewSection<'_> {
 }
 
 /// The whole file with these sections.
+#[cfg(any(test, feature = "compile"))]
 pub fn write(sections: &[NewSection<'_>]) -> Vec<u8> {
     let is_packed = sections.iter().any(|section| section.packed.is_some());
     let mut offset = padded(HEADER_LEN + sections.len() * size_of::<SectionEntry>());

@@ -9,7 +9,9 @@ use enfilade_importers::{Role, Semantic};
 use glam::DVec3;
 
 use super::FormatError;
-use super::container::{self, NewSection, SectionEntry};
+#[cfg(feature = "compile")]
+use super::container::NewSection;
+use super::container::{self, SectionEntry};
 use super::map::{DartRecord, MapFaceRecord, MapRecord, MapSourceRecord, MapTriangle, MapVolumeRecord};
 use super::records::{
     BlockRecord, CameraRecord, CellRecord, CoverRecord, ElementRecord, FaceRecord, Facing, LANES, Leaf,
@@ -59,6 +61,7 @@ macro_rules! sections {
             pub $derived: View<$made>,)*
         }
 
+        #[cfg(feature = "compile")]
         impl $tables {
             fn sections(&self) -> Vec<NewSection<'_>> {
                 let own = [$(NewSection {
@@ -193,6 +196,7 @@ impl MapViews {
 pub(crate) const WHOLE_BIT: u32 = 1 << 31;
 
 /// Sections that opening reads whole, whatever is asked then: to pack them costs a scene nothing that it would not read.
+#[cfg(feature = "compile")]
 const READ_WHOLE: [&str; 3] = ["vertices", "triangles", "leaves"];
 
 impl Tables {

@@ -39,12 +39,16 @@ pub(crate) use finder::{AirGrid, Finder};
 pub(crate) use guess::Guess;
 pub use kernel::Kernel;
 pub use locate::Place;
+#[cfg(any(feature = "compile", feature = "render"))]
+pub(crate) use locate::crossings;
 #[cfg(feature = "compile")]
-pub(crate) use locate::{crossings, height};
+pub(crate) use locate::height;
 pub(crate) use path::Prisms;
 #[cfg(feature = "compile")]
 pub(crate) use path::{BLURRED, to_lattice};
-pub(crate) use plate::{Plate, plate_of};
+pub(crate) use plate::Plate;
+#[cfg(feature = "compile")]
+pub(crate) use plate::plate_of;
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
 pub(crate) use step::{Part, Shape, Split, Splits, Step, Tiles, step_of};

@@ -376,6 +376,7 @@ impl<'a> Prisms<'a> {
     }
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
+    #[cfg(feature = "render")]
     pub(crate) fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {
         self.over(cell, point).max(-inward(self.sides_of(cell), point))
     }

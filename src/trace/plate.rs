@@ -74,11 +74,15 @@ impl Plate {
         Plate { other, across: [across.x as f32, across.y as f32, across.z as f32, at as f32], ..self }
     }
 
-    /// The triangle that holds a point of a plain face well, if there are one or two, and it is in no doubt which.
+    /// The triangle that holds a point of a plain face, if there are one or two, and it is in no doubt which: of the side that they have in common alone, as
+    /// plain faces are covered.
     #[inline(always)]
     pub(super) fn told(&self, point: DVec3) -> Option<u32> {
         /// How far f32 may be off, times coordinates.
         const ROUNDED: f64 = 2.0 * f32::EPSILON as f64;
+        if self.other == NONE {
+            return None;
+        }
         if self.other == self.triangle {
             return Some(self.triangle);
         }
@@ -86,7 +90,7 @@ impl Plate {
         let over = x * point.x + y * point.y + z * point.z - at;
         let sure = WELL + ROUNDED * (point.x.abs() + point.y.abs() + point.z.abs() + at.abs());
         let triangle = if over > 0.0 { self.triangle } else { self.other };
-        (self.other != NONE && over.abs() >= sure).then_some(triangle)
+        (over.abs() >= sure).then_some(triangle)
     }
 
     /// The first of a source's triangles that holds a point of this plane well.

@@ -9,8 +9,9 @@ use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
 use super::path::Prisms;
+use super::plate::Plate;
 #[cfg(feature = "render")]
-use super::plate::{Plate, plate_of};
+use super::plate::plate_of;
 use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};

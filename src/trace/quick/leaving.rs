@@ -24,7 +24,7 @@ use crate::trace::step::{Step, link};
 /// cache.
 #[derive(Clone, Copy)]
 pub(in crate::trace) struct Exit {
-    /// Where, metres along it: to rounding of f64 if it is by no edge of a simple prism; else it leaves no later.
+    /// Where, metres along it: to rounding of f64 if `by` is from [`ANY`] on; else it leaves no later.
     t: f64,
     /// A link of [`Step`]; [`Step::OTHER`] in doubt.
     pub(in crate::trace) link: u32,
@@ -40,7 +40,7 @@ pub(in crate::trace) const UP: usize = LANES + 1;
 /// come its floor and its ceiling.
 const ANY: u32 = 1 << 31;
 
-/// In the place of an edge: through what it leaves is not known.
+/// In the place of an edge: through what it leaves is not known; and for who asks, that all of a prism is to be looked at.
 pub(super) const EXACT: u32 = u32::MAX;
 
 /// From the border of a floor or a ceiling a ray passes it no nearer than this, metres: somewhat more than cells are blurred.
@@ -68,7 +68,7 @@ impl Exit {
         if self.by >= ANY { self.t } else { exact(tables, ray, cell, self.by) }
     }
 
-    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; `None` if only the place is told.
+    /// The edge of a simple prism that it passes, or [`DOWN`], or [`UP`]; `None` where it is a prism that is not simple.
     #[inline(always)]
     pub(super) fn by(&self) -> Option<usize> {
         (self.by < ANY).then_some(self.by as usize)

@@ -194,6 +194,10 @@ fn plates_tell_what_their_triangles_would() {
             let by_triangle = scene.describe_quick(&ray, &Quick { source: NONE, ..quick }, want);
             assert_eq!(hit, by_triangle, "{name}: {ray:?}");
             assert_eq!(hit.normal.map(f64::to_bits), by_triangle.normal.map(f64::to_bits), "{name}: {ray:?}");
+            let want = Want { face: false, ..want };
+            let least = [quick, Quick { source: NONE, ..quick }]
+                .map(|quick| scene.describe_quick(&ray, &quick, want));
+            assert_eq!(least[0], least[1], "{name}: {ray:?}");
             plates += 1;
             // The very triangle, where one is told, is the one that is found by looking at all of them.
             let (plate, point) = (&tables.plates[quick.source as usize], DVec3::from(hit.point));
