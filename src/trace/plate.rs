@@ -13,7 +13,7 @@ use crate::format::records::{SourceRecord, TriangleRecord};
 const WELL: f64 = 2e-4;
 
 /// The plane of a source's triangles: `normal . p = offset`, internal frame, metres; zeros where they lie in none. And what they look like, and which of
-/// two of them is where, so that a ray that meets it reads nothing else.
+/// two of them is where, so that for what meets it no triangle is read.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Plate {
