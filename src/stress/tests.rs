@@ -89,7 +89,9 @@ fn staged<T>(name: &str, family: Family, with: impl FnOnce(&Stage<'_>, &Scene) -
 
 /// The same with a seed of choice.
 fn staged_with<T>(seed: u64, name: &str, family: Family, with: impl FnOnce(&Stage<'_>, &Scene) -> T) -> T {
-    let trial = trials(false, seed).into_iter().find(|trial| trial.name == name).unwrap();
+    // The long mode has some more.
+    let mut all = [false, true].into_iter().flat_map(|long| trials(long, seed));
+    let trial = all.find(|trial| trial.name == name).unwrap();
     let model = trial.model().unwrap();
     let options = CompileOptions { tolerance: trial.tolerance, ..CompileOptions::default() };
     let (scene, inside) = (compile(&model, &options).unwrap().scene(), trial.inside_of(&model));
@@ -554,4 +556,10 @@ fn a_ray_along_a_face_that_meets_its_edge_is_right_by_a_witness_through_that_ver
 #[test]
 fn a_ray_from_between_boards_a_picometre_apart_met_again_what_it_left() {
     seeded(94, "near-coplanar", Family::Surfaces, 6372);
+}
+
+#[test]
+fn a_ray_on_down_a_wall_met_a_slab_beside_it_that_only_a_ray_within_the_wall_meets() {
+    seeded(1113, "scaled-1e5", Family::Grazing, 2880);
+    seeded(1113, "scaled-1e6", Family::Grazing, 2880);
 }

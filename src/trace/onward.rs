@@ -37,6 +37,26 @@ pub(super) fn is_at_start(line: &Line, t: f64) -> bool {
     t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin)
 }
 
+/// The parallel ray that meets the nearest point of a triangle's sides, if a ray passes that triangle.
+fn beside(line: &Line, corners: &[DVec3; 3]) -> Option<Line> {
+    // As the ray sees them.
+    let across = corners.map(|corner| (corner - line.origin).reject_from_normalized(line.direction));
+    let sides = [0, 1, 2].map(|i| (across[i], across[(i + 1) % 3]));
+    let turns = sides.map(|(from, to)| from.cross(to).dot(line.direction));
+    if turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0) {
+        return None;
+    }
+    let nearest = sides.map(|(from, to)| {
+        let way = to - from;
+        let share = -from.dot(way) / way.length_squared();
+        // A side that is a point has no share.
+        from + way * if share > 0.0 { share.min(1.0) } else { 0.0 }
+    });
+    let way =
+        nearest.into_iter().min_by(|one, other| one.length_squared().total_cmp(&other.length_squared()))?;
+    Some(Line { origin: line.origin + way, ..*line })
+}
+
 impl Scene {
     /// The ray, which goes away from a surface, with its origin in the air to which it goes on, where rounding has put it behind that, or into a solid that
     /// meets the surface there: almost along that it would come out of it only much farther on. Without a surface it is the ray itself.
@@ -96,10 +116,16 @@ impl Scene {
         self.comes_by_air(line, t) && self.solid_at(point.to_array()).is_some()
     }
 
-    /// Whether a ray that goes on from a surface came to what it met farther on, if anything, through a solid.
+    /// Whether a ray that goes on from a surface came to what it met farther on, if anything, through a solid: that ray, or, where what it met is a little
+    /// beside it, the one beside it that meets that.
     #[cold]
     fn comes_through_solids(&self, line: &Line, found: Found) -> bool {
-        found.triangle != NONE && !is_at_start(line, found.t) && !self.comes_by_air(line, found.t)
+        if found.triangle == NONE || is_at_start(line, found.t) {
+            return false;
+        }
+        let beside = || beside(line, &Walk::new(&self.tables).corners(found.triangle));
+        !self.comes_by_air(line, found.t)
+            || beside().is_some_and(|beside| !self.comes_by_air(&beside, found.t))
     }
 
     /// Whether there is air halfway to what a ray met, and just before.
