@@ -563,3 +563,8 @@ fn a_ray_on_down_a_wall_met_a_slab_beside_it_that_only_a_ray_within_the_wall_mee
     seeded(1113, "scaled-1e5", Family::Grazing, 2880);
     seeded(1113, "scaled-1e6", Family::Grazing, 2880);
 }
+
+#[test]
+fn a_ray_on_down_along_a_bent_ceiling_met_its_back_from_within_the_slab() {
+    seeded(230, "house-cad", Family::Borders, 6236);
+}

@@ -63,8 +63,7 @@ impl Scene {
     pub(super) fn in_front(&self, surface: Option<&Surface>, line: &Line) -> Line {
         let Some(surface) = surface else { return *line };
         let Some(&corners) = self.tables.triangles.get(surface.triangle as usize) else { return *line };
-        let reach = (DEEP * (1.0 + line.origin.abs().max_element())).max(UNEVEN);
-        let most = reach.min(MOST * self.tolerance()).max(surface.near);
+        let most = self.most_before(surface, line);
         let mut line = *line;
         let corner = DVec3::from(self.tables.vertices[corners[0] as usize]);
         for _ in 0..MOST_SOLIDS {
@@ -79,6 +78,12 @@ impl Scene {
             line.origin += way;
         }
         line
+    }
+
+    /// How far, metres, the origin of a ray that goes away from a surface may be moved before it.
+    pub(super) fn most_before(&self, surface: &Surface, line: &Line) -> f64 {
+        let reach = (DEEP * (1.0 + line.origin.abs().max_element())).max(UNEVEN);
+        reach.min(MOST * self.tolerance()).max(surface.near)
     }
 
     /// Whether a ray that goes away from a surface came to what it met through matter: rounding has put its origin there, or so near that it passes an edge.

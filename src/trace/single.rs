@@ -388,7 +388,7 @@ impl Scene {
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
-                    let way = away.map_or(way, |surface| self.up_to(surface, &line, way));
+                    let mut way = away.map_or(way, |surface| self.up_to(surface, &line, way));
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
                     let aside = Line { origin: line.origin + way, tmax: f64::INFINITY, ..line };
                     // Aside may be behind the surface, which it does not meet from there either.
@@ -405,6 +405,8 @@ impl Scene {
                         let walk = Walk::new(tables);
                         if !walk.is_part_of(met.found.triangle, away, line.origin) {
                             ended = met;
+                        } else if let Some((up, above)) = self.above(away, &line, probe) {
+                            (way, ended) = (up, above);
                         }
                     }
                     // Back from the other ray's origin to this one's.
@@ -448,6 +450,21 @@ impl Scene {
             query.follow(found.t, found.triangle + 1);
         }
         among_all(tables, &Line { tmin: edge.t + aside, ..*line }, None, probe)
+    }
+
+    /// What a ray meets that goes away from a surface which is bent more than a ray beside it is told apart: from a little before that, where it meets
+    /// nothing through matter; and the way there.
+    #[cold]
+    fn above<P: Probe>(&self, surface: &Surface, line: &Line, probe: &mut P) -> Option<(DVec3, Ended)> {
+        /// Of how far before a surface a ray may start: no farther than it takes.
+        const SHARES: [f64; 3] = [1.0 / 16.0, 0.25, 1.0];
+        let most = self.most_before(surface, line);
+        SHARES.iter().find_map(|share| {
+            let way = surface.normal * (share * most);
+            let above = Line { origin: line.origin + way, tmax: f64::INFINITY, ..*line };
+            let ended = among_all(&self.tables, &above, None, probe);
+            (!self.came_through_matter(&above, ended.found)).then_some((way, ended))
+        })
     }
 
     /// A way aside from where a ray starts, before the surface that it goes away from, no farther than to that surface: behind it no air begins, be the

@@ -44,6 +44,9 @@ struct Arguments {
     /// Random rays, and pairs of points, a scene.
     #[arg(long, default_value_t = 1 << 18)]
     random: usize,
+    /// Also the scenes left one cell, all of it a hierarchy of triangles.
+    #[arg(long)]
+    uncut: bool,
     /// Only ways whose name holds one of these.
     #[arg(long, value_name = "PART,...", value_delimiter = ',')]
     ways: Vec<String>,

@@ -81,3 +81,39 @@ impl Way for Whole {
         }
     }
 }
+
+/// Single rays and batches in the scene left one cell: what all costs that has no cells.
+pub struct Uncut {
+    pub scene: Arc<Scene>,
+    /// None for single rays.
+    pub pool: Option<rayon::ThreadPool>,
+}
+
+impl Way for Uncut {
+    fn name(&self) -> String {
+        let how = if self.pool.is_some() { ", batch" } else { "" };
+        format!("enfilade, no cells{how}")
+    }
+
+    fn nearest(&self, rays: &Rays, met: &mut [Met]) {
+        let briefs: &mut [Brief] = bytemuck::cast_slice_mut(met);
+        if let Some(pool) = &self.pool {
+            pool.install(|| self.scene.trace_brief_many(Starts::Cell(0), &rays.exact, briefs));
+            return;
+        }
+        for (ray, brief) in rays.exact.iter().zip(briefs) {
+            *brief = self.scene.trace_brief(Start::Cell(0), ray);
+        }
+    }
+
+    fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
+        if let Some(pool) = &self.pool {
+            pool.install(|| self.scene.occluded_many(&rays.exact, answers));
+            return true;
+        }
+        for (ray, answer) in rays.exact.iter().zip(answers) {
+            *answer = self.scene.occluded_from(Start::Cell(0), ray);
+        }
+        true
+    }
+}

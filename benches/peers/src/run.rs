@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::embree::{Built, Embree, One, Quality, Sixteen, Stream};
-use crate::own::{Batch, Single, Whole};
+use crate::own::{Batch, Single, Uncut, Whole};
 use crate::scenes::Measured;
 use crate::way::{Met, Rays, Way, soup};
 use crate::{Arguments, crates, median};
@@ -87,15 +87,21 @@ fn random(scene: &Scene, count: usize, pairs: bool) -> Rays {
     Rays::new(scene, rays, cells)
 }
 
-fn ways(scene: &Arc<Scene>, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
+fn ways(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
+    let scene = &measured.scene;
     let mut ways: Vec<Box<dyn Way>> = Vec::new();
     let others = Kernel::available().into_iter().filter(|&kernel| kernel != Kernel::best());
     for kernel in std::iter::once(Kernel::best()).chain(others) {
         ways.push(Box::new(Single { scene: Arc::clone(scene), kernel }));
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be started");
-    ways.push(Box::new(Batch { scene: Arc::clone(scene), pool }));
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be started");
+    ways.push(Box::new(Batch { scene: Arc::clone(scene), pool: pool() }));
     ways.push(Box::new(Whole { scene: Arc::clone(scene) }));
+    if let Some(uncut) = &measured.uncut {
+        for pool in [None, Some(pool())] {
+            ways.push(Box::new(Uncut { scene: Arc::clone(uncut), pool }));
+        }
+    }
     let soup = soup(scene);
     if let Some(embree) = embree {
         for quality in [Quality::High, Quality::Medium] {
@@ -124,7 +130,7 @@ fn ways(scene: &Arc<Scene>, embree: Option<&Arc<Embree>>, arguments: &Arguments)
 /// Measures all ways.
 pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Row> {
     let scene = &measured.scene;
-    let ways = ways(scene, embree, arguments);
+    let ways = ways(measured, embree, arguments);
     let frames: Vec<Rays> =
         measured.views.iter().filter_map(|camera| frame(scene, camera, arguments.size)).collect();
     let scattered = [random(scene, arguments.random, false)];

@@ -21,36 +21,46 @@ pub struct Measured {
     pub name: String,
     pub model: Model,
     pub scene: Arc<Scene>,
+    /// The same left one cell, if that is asked for.
+    pub uncut: Option<Arc<Scene>>,
     pub views: Vec<Camera>,
 }
 
-fn compiled(model: &Model) -> anyhow::Result<Arc<Scene>> {
-    Ok(Arc::new(compile(model, &CompileOptions::default())?.scene()))
+fn compiled(model: &Model, cells: bool) -> anyhow::Result<Arc<Scene>> {
+    let mut options = CompileOptions::default();
+    options.cells = cells;
+    Ok(Arc::new(compile(model, &options)?.scene()))
 }
 
-fn frozen(name: &str) -> anyhow::Result<Measured> {
+fn uncut(model: &Model, arguments: &Arguments) -> anyhow::Result<Option<Arc<Scene>>> {
+    arguments.uncut.then(|| compiled(model, false)).transpose()
+}
+
+fn frozen(name: &str, arguments: &Arguments) -> anyhow::Result<Measured> {
     let frozen = FrozenScene::by_name(name)?;
     let options = ImportOptions::default();
     let mut model = read_slice(&frozen.glb()?, name, &options)?;
     tag(&mut model, &options)?;
-    let scene = compiled(&model)?;
+    let (scene, uncut) = (compiled(&model, true)?, uncut(&model, arguments)?);
     let views = parse_cameras(&frozen.cameras, "benches/scenes.toml", &scene.frame())?;
-    Ok(Measured { name: name.to_owned(), model, scene, views })
+    Ok(Measured { name: name.to_owned(), model, scene, uncut, views })
 }
 
 /// Two level views from the middle of each room, [`MOST_VIEWS`] at most.
-fn model(path: &Path) -> anyhow::Result<Measured> {
+fn model(path: &Path, arguments: &Arguments) -> anyhow::Result<Measured> {
     let about = || path.display().to_string();
     let model = import(path, &ImportOptions::default()).with_context(about)?;
-    let scene = compiled(&model)?;
+    let (scene, uncut) = (compiled(&model, true)?, uncut(&model, arguments)?);
     let views = room_views(&scene, 2);
     let step = views.len().div_ceil(MOST_VIEWS).max(1);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Measured { name, model, scene, views: views.into_iter().step_by(step).collect() })
+    Ok(Measured { name, model, scene, uncut, views: views.into_iter().step_by(step).collect() })
 }
 
 /// All that the arguments name, one after the other; by default HOUSE and BUILD1 to BUILD3, furnished and bare.
-pub fn scenes(arguments: &Arguments) -> anyhow::Result<Box<dyn Iterator<Item = anyhow::Result<Measured>>>> {
+pub fn scenes(
+    arguments: &Arguments,
+) -> anyhow::Result<Box<dyn Iterator<Item = anyhow::Result<Measured>> + '_>> {
     let mut names = arguments.frozen.clone();
     if names.is_empty() && arguments.models.is_empty() {
         let usual = ["house", "build1", "build2", "build3"];
@@ -64,8 +74,8 @@ pub fn scenes(arguments: &Arguments) -> anyhow::Result<Box<dyn Iterator<Item = a
             paths.push(path.clone());
         }
     }
-    let named = names.into_iter().map(|name| frozen(&name));
-    Ok(Box::new(named.chain(paths.into_iter().map(|path| model(&path)))))
+    let named = names.into_iter().map(move |name| frozen(&name, arguments));
+    Ok(Box::new(named.chain(paths.into_iter().map(move |path| model(&path, arguments)))))
 }
 
 /// The models of a folder: of those that differ in what follows the first dot only, one.
