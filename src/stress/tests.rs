@@ -568,3 +568,23 @@ fn a_ray_on_down_a_wall_met_a_slab_beside_it_that_only_a_ray_within_the_wall_mee
 fn a_ray_on_down_along_a_bent_ceiling_met_its_back_from_within_the_slab() {
     seeded(230, "house-cad", Family::Borders, 6236);
 }
+
+/// Each starts in a solid and leaves it within the tolerance, but its segment ends before that.
+#[test]
+fn a_segment_that_ended_in_the_solid_that_its_ray_leaves_at_once_had_that_in_its_way() {
+    for (seed, index) in [(239, 3476), (239, 6936), (241, 4925), (1128, 9891)] {
+        seeded(seed, "scaled-1e2", Family::Borders, index);
+    }
+    seeded(243, "scaled-1e2", Family::Anywhere, 5387);
+}
+
+/// It starts behind the face of what is open, by what cells are rounded, and comes through that almost along it.
+#[test]
+fn a_segment_from_just_behind_an_open_face_was_not_stopped_by_that() {
+    seeded(232, "house-damaged", Family::Borders, 180);
+}
+
+#[test]
+fn a_ray_on_from_a_walls_bent_side_met_it_from_within() {
+    seeded(241, "turned-3", Family::Surfaces, 7404);
+}

@@ -7,7 +7,8 @@
 //!   aside. If there is no air aside, it starts inside a solid.
 //! - From an origin *inside* a solid, the stretches between the surfaces that the ray meets within the tolerance are
 //!   looked at one by one: it begins in the first that is air. If none is, it starts inside a solid. Surfaces that
-//!   touch, a table's foot on the floor, are passed together.
+//!   touch, a table's foot on the floor, are passed together. So does a segment, wherever it ends: what it starts in does not
+//!   hang on that.
 //! - An origin in matter by the cells, farther than the tolerance from all their air, lies in a crack of the model, where
 //!   solids are meant to touch: it starts inside a solid, if one is within the tolerance.
 
@@ -81,9 +82,9 @@ impl Scene {
         match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
             (None, None, None) if self.is_beside(start, step) => Begin::At(line.tmin),
             (Some(element), Some(_), Some(_)) => {
-                let found = nearest(line);
-                let within = found.triangle != NONE && found.t <= line.tmin + self.tolerance();
-                let air = within.then(|| self.first_air(line, found, nearest)).flatten();
+                let line = Line { tmax: line.tmin + self.tolerance(), ..*line };
+                let found = nearest(&line);
+                let air = (found.triangle != NONE).then(|| self.first_air(&line, found, nearest)).flatten();
                 air.unwrap_or(Begin::InSolid(element))
             }
             (here, one, other) => {
@@ -99,7 +100,7 @@ impl Scene {
         }
     }
 
-    /// The first stretch of air within the tolerance; `first` is the first surface.
+    /// The first stretch of air on a ray's first tolerance; `first` is the first surface.
     fn first_air(
         &self,
         line: &Line,
@@ -107,13 +108,13 @@ impl Scene {
         nearest: &mut impl FnMut(&Line) -> Found,
     ) -> Option<Begin> {
         let touching = TOUCHING * (1.0 + line.origin.abs().max_element());
-        let end = line.tmin + self.tolerance();
+        let end = line.tmax;
         let at = |t: f64| line.origin + line.direction * t;
         let is_air = |from: f64, to: f64| self.solid_near(at(from + (to - from) / 2.0)).is_none();
 
         let mut passed = first.t;
         for _ in 0..MOST_SURFACES {
-            let rest = Line { tmin: passed + touching, tmax: line.tmax.min(end), ..*line };
+            let rest = Line { tmin: passed + touching, ..*line };
             let next = nearest(&rest);
             let until = if next.triangle == NONE { end } else { next.t };
             if until - passed > touching && is_air(passed, until) {

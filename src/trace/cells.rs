@@ -108,14 +108,17 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
     fn start(&self, hint: u32) -> Result<u32, Unsure> {
         let prisms = self.path.prisms;
         let point = self.path.at(self.first);
-        // From the surface that it starts on, the ray does not come back to that.
-        let margin = if self.query.surface.is_some() { BLURRED } else { prisms.rounding() };
-        match prisms.cells.get(hint as usize) {
-            Some(cell) if cell.kind == CellRecord::AIR && prisms.nearly_holds(cell, point, margin) => {
-                Ok(hint)
-            }
-            _ => self.find(point),
+        let is_air = |cell: &&CellRecord| cell.kind == CellRecord::AIR;
+        let hinted = prisms.cells.get(hint as usize).filter(is_air);
+        let is_hinted = |margin: f64| hinted.is_some_and(|cell| prisms.nearly_holds(cell, point, margin));
+        if self.query.surface.is_some() {
+            // From the surface that it starts on, the ray does not come back to that.
+            return if is_hinted(BLURRED) { Ok(hint) } else { self.find(point) };
         }
+        let cell = if is_hinted(NEAR) { hint } else { self.find(point)? };
+        // By what cells are rounded it may be behind that face, and come through it where no cell tells.
+        let is_beside = prisms.is_beside_matter(&prisms.cells[cell as usize], point, prisms.rounding());
+        if is_beside { Err(UNSURE) } else { Ok(cell) }
     }
 
     /// The prism of air at a point.

@@ -336,7 +336,22 @@ impl<'a> Prisms<'a> {
     /// Whether `point` (from the lattice's origin), in the prism, is no farther than some `margin` from a face of it behind which triangles may stand
     /// out of that: a ray may start behind those.
     pub(super) fn is_beside_rough(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
-        let is_rough = |source: u32, flags: u16| source != NONE && flags & PLAIN == 0;
+        self.is_beside(cell, point, margin, |source, flags| source != NONE && flags & PLAIN == 0)
+    }
+
+    /// The same of any face behind which there are triangles.
+    pub(super) fn is_beside_matter(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
+        self.is_beside(cell, point, margin, |source, _| source != NONE)
+    }
+
+    /// Whether `point`, in the prism, is no farther than some `margin` from one of the faces that are asked for, by source and flags.
+    fn is_beside(
+        &self,
+        cell: &CellRecord,
+        point: DVec3,
+        margin: f64,
+        is_asked: impl Fn(u32, u16) -> bool,
+    ) -> bool {
         // How far the point is over a plane, and how far aside that is at most for each metre.
         let over = |plane: u32| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
@@ -349,7 +364,7 @@ impl<'a> Prisms<'a> {
         let covers = |covers: &[CoverRecord]| {
             covers.iter().any(|cover| {
                 let beyond = &self.cells[cover.cell as usize];
-                is_rough(cover.source, cover.flags) && self.nearly_holds_in_plan(beyond, point, margin)
+                is_asked(cover.source, cover.flags) && self.nearly_holds_in_plan(beyond, point, margin)
             })
         };
         let (below, above) = self.covers_of(cell);
@@ -370,7 +385,7 @@ impl<'a> Prisms<'a> {
                 let top = if face.top == NONE { cell.ceiling } else { face.top };
                 let ((above, low), (under, high)) = (over(bottom), over(top));
                 bottom = top;
-                is_rough(face.source, face.flags) && above >= -low && under <= high
+                is_asked(face.source, face.flags) && above >= -low && under <= high
             })
         })
     }
