@@ -588,3 +588,9 @@ fn a_segment_from_just_behind_an_open_face_was_not_stopped_by_that() {
 fn a_ray_on_from_a_walls_bent_side_met_it_from_within() {
     seeded(241, "turned-3", Family::Surfaces, 7404);
 }
+
+/// Its end is a few millimetres before it leaves a cell, in the next of which it comes near an edge; it starts on the edge of a wall.
+#[test]
+fn a_segment_met_where_it_starts_what_its_ray_does_not() {
+    seeded(249, "turned-0", Family::Surfaces, 4946);
+}

@@ -282,7 +282,8 @@ impl Scene {
             Starts::Anywhere | Starts::Cell(_) => {}
         }
         let is_large = rays.len() > *SCATTERED.start() && self.tables.cells.len() >= MANY_CELLS;
-        let plan = if matches!(starts, Starts::Hits(_)) {
+        let plan = if matches!(starts, Starts::Hits(_)) || self.is_one_cell() {
+            // Packets go from cell to cell.
             Plan::One
         } else if !is_scattered(starts, rays) {
             Plan::Together
@@ -318,7 +319,7 @@ impl Scene {
         };
         let otherwise = |starts: Starts<'_>, index: usize, ray: &Ray| aside(|| alone(starts.of(index), ray));
         for_each_block(rays, starts, answers, size, |rays, starts, answers| match plan {
-            Plan::One if matches!(starts, Starts::Anywhere) => {
+            Plan::One if matches!(starts, Starts::Anywhere) && !self.is_one_cell() => {
                 for (rays, answers) in rays.chunks(BLOCK).zip(answers.chunks_mut(BLOCK)) {
                     let mut cells = [NONE; BLOCK];
                     self.free_cells(rays.iter().map(|ray| ray.origin), &mut cells);

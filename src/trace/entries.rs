@@ -1,6 +1,6 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `free`, `free_many`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
+//! What `walk`, `alone`, `enter`, `free`, `free_many`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
 //! there; the rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What
 //! is seldom needed, or long, these call through [`Entries`], so that it does not stand within each of them.
 
@@ -107,11 +107,25 @@ impl Entries for Portable {
 /// The same ways on any machine.
 pub(super) mod portable {
     use crate::format::Views;
+    use crate::trace::alone;
     use crate::trace::free;
+    use crate::trace::kernel::Ask;
     use crate::trace::lanes::Portable;
     use crate::trace::quick::{self, Quick};
     use crate::trace::ray::Ray;
     use crate::trace::walk::Surface;
+
+    /// What a ray meets in a scene that was left one cell.
+    #[inline(never)]
+    pub(in crate::trace) fn alone(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+        alone::alone::<Portable>(ask, tables, ray)
+    }
+
+    /// Where a ray from outside goes on within the prisms.
+    #[inline(never)]
+    pub(in crate::trace) fn enter(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
+        quick::enter::<Portable>(tables, ray)
+    }
 
     /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.
     #[inline(never)]
@@ -160,12 +174,13 @@ pub(super) mod portable {
     }
 }
 
-/// The functions `run`, `free`, `free_many`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
+/// The functions `run`, `alone`, `enter`, `free`, `free_many`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
 /// [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
     ($lanes:ty, $features:literal) => {
         use $crate::format::Views;
+        use $crate::trace::alone;
         use $crate::trace::cost::Count;
         use $crate::trace::entries::Entries;
         use $crate::trace::free;
@@ -178,6 +193,16 @@ macro_rules! entries {
         #[target_feature(enable = $features)]
         fn run_here(ask: Ask, tables: &Walk<'_>, query: &Query<'_>) -> Found {
             walk::walk::<$lanes>(ask, tables, query, None, &mut ())
+        }
+
+        #[target_feature(enable = $features)]
+        fn alone_here(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+            alone::alone::<$lanes>(ask, tables, ray)
+        }
+
+        #[target_feature(enable = $features)]
+        fn enter_here(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
+            quick::enter::<$lanes>(tables, ray)
         }
 
         #[target_feature(enable = $features)]
@@ -333,6 +358,28 @@ macro_rules! entries {
             debug_assert!(is_available());
             // SAFETY: a kernel that leads here is made only after `is_available` said yes.
             unsafe { run_here(ask, tables, query) }
+        }
+
+        /// What a ray meets in a scene that was left one cell.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn alone(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { alone_here(ask, tables, ray) }
+        }
+
+        /// Where a ray from outside goes on within the prisms.
+        ///
+        /// # Panics
+        /// If the CPU lacks the instructions (debug builds).
+        #[inline]
+        pub(super) fn enter(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
+            debug_assert!(is_available());
+            // SAFETY: as in `run`.
+            unsafe { enter_here(tables, ray) }
         }
 
         /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.

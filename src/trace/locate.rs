@@ -143,7 +143,7 @@ impl Scene {
     #[cold]
     #[inline(never)]
     fn free_cell_at_border(&self, point: [f64; 3]) -> Option<u32> {
-        if self.tables.cells.len() == 1 {
+        if self.tables.cells.len() == 1 || !self.tables.airgrid[0].holds(local(&self.tables, point)) {
             return None;
         }
         let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));

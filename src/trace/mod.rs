@@ -1,5 +1,6 @@
 //! Rays through a scene: where a point lies, what a ray meets, whether one point sees another.
 
+mod alone;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -12,7 +12,7 @@ use super::path::Prisms;
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
-use super::quick::{Quick, quick, quick_from};
+use super::quick::{Quick, entered, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -154,6 +154,9 @@ impl Scene {
     /// What the quick way answers, or the cell in which the ray starts, if that is known.
     #[inline(always)]
     fn quick(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> Result<Quick, Option<u32>> {
+        if self.is_one_cell() {
+            return self.alone(kernel, Ask::First, start, ray).ok_or(None);
+        }
         if let Start::Cell(cell) = start {
             if let Some(quick) = kernel.quick(&self.tables, ray, cell) {
                 return Ok(quick);
@@ -166,9 +169,36 @@ impl Scene {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
             return kernel.quick_from(&self.tables, ray, hit.cell, &surface).ok_or(None);
         }
-        let place = self.free_cell(ray.origin);
-        let quick = place.and_then(|cell| kernel.quick(&self.tables, ray, cell));
-        quick.ok_or(place)
+        let Some(cell) = self.free_cell(ray.origin) else {
+            return self.from_outside(kernel, ray).ok_or(None);
+        };
+        kernel.quick(&self.tables, ray, cell).ok_or(Some(cell))
+    }
+
+    /// The same of a ray from outside of the cells; `None` of others, too.
+    #[inline(never)]
+    pub(super) fn from_outside(&self, kernel: Kernel, ray: &Ray) -> Option<Quick> {
+        let (cell, onward) = kernel.enter(&self.tables, ray)?;
+        entered(&self.tables, ray, &kernel.quick(&self.tables, &onward, cell)?)
+    }
+
+    /// Whether there are no cells but that around them.
+    #[inline(always)]
+    pub(super) fn is_one_cell(&self) -> bool {
+        self.tables.cells.len() == 1
+    }
+
+    /// What a ray meets, first or at all, where there is one cell; `None` if it starts on a surface, or perhaps in a solid.
+    #[inline(never)]
+    fn alone(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Option<Quick> {
+        let is_free = match start {
+            Start::Cell(_) => true,
+            Start::Anywhere => {
+                Line::new(&self.tables, ray).is_none_or(|line| !self.may_start_in_solid(&line))
+            }
+            Start::Hit(_) => false,
+        };
+        is_free.then(|| kernel.alone(ask, &self.tables, ray))
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -514,6 +544,11 @@ impl Scene {
     /// ```
     #[inline]
     pub fn occluded_from(&self, start: Start<'_>, ray: &Ray) -> bool {
+        if self.is_one_cell()
+            && let Some(quick) = self.alone(self.kernel, Ask::Any, start, ray)
+        {
+            return quick.found.triangle != NONE;
+        }
         if let Start::Cell(cell) = start
             && let Some(is_barred) = self.kernel.barred(&self.tables, ray, cell)
         {
@@ -539,7 +574,10 @@ impl Scene {
             return self.is_occluded(start, ray);
         }
         let cell = self.free_cell(ray.origin);
-        let is_barred = cell.and_then(|cell| kernel.barred(tables, ray, cell));
+        let is_barred = match cell {
+            Some(cell) => kernel.barred(tables, ray, cell),
+            None => self.from_outside(kernel, ray).map(|quick| quick.found.triangle != NONE),
+        };
         is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }
 
@@ -694,6 +732,12 @@ impl Line {
         }
         // The hull has a margin around all triangles, so that rounding here loses none of them.
         (enter <= leave).then_some(Line { start: enter, ..line })
+    }
+
+    /// The same without ends.
+    #[inline(always)]
+    pub(super) fn whole(&self, tables: &Views) -> Query<'static> {
+        Line { tmin: 0.0, tmax: f64::INFINITY, ..*self }.query(tables, None)
     }
 
     #[inline(always)]

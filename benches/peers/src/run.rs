@@ -18,7 +18,7 @@ use crate::{Arguments, crates, median};
 pub struct Row {
     pub scene: String,
     /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
-    /// random points of rooms see each other; `points`: where random points lie.
+    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `points`: where random points lie.
     pub rays: &'static str,
     pub way: String,
     pub count: usize,
@@ -87,6 +87,29 @@ fn random(scene: &Scene, count: usize, pairs: bool) -> Rays {
     Rays::new(scene, rays, cells)
 }
 
+/// From eyes around a building and over it, as far from its middle as it is long, a few thousand rays each.
+fn outside(scene: &Scene, count: usize) -> Rays {
+    /// Rays of an eye.
+    const EACH: usize = 1 << 12;
+    let mut random = Random(11);
+    let [lo, hi] = scene.hull().map(DVec3::from);
+    let far = 0.5 * (hi - lo).length() + (hi - lo).max_element();
+    let mut rays = Vec::with_capacity(count);
+    while rays.len() < count {
+        let z = random.next();
+        let (sin, cos) = (std::f64::consts::TAU * random.next()).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        let eye = 0.5 * (lo + hi) + far * DVec3::new(r * cos, r * sin, z);
+        rays.extend((0..EACH.min(count - rays.len())).map(|_| {
+            let to = DVec3::from([0, 1, 2].map(|i| lo[i] + (hi[i] - lo[i]) * random.next()));
+            Ray::new(eye.to_array(), (to - eye).normalize().to_array())
+        }));
+    }
+    // Around all others.
+    let cells = vec![0; rays.len()];
+    Rays::new(scene, rays, cells)
+}
+
 fn ways(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
     let scene = &measured.scene;
     let mut ways: Vec<Box<dyn Way>> = Vec::new();
@@ -146,6 +169,10 @@ pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Argume
     }
     if is_asked("pairs") {
         rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
+    }
+    if is_asked("outside") {
+        let rays = [outside(scene, arguments.random)];
+        rows.extend(nearest(&measured.name, "outside", &ways, &rays, arguments.repeat));
     }
     if is_asked("points") {
         rows.extend(located(measured, arguments));

@@ -12,6 +12,7 @@
 
 mod barred;
 mod leaving;
+mod outside;
 mod rough;
 mod sloped;
 #[cfg(all(test, feature = "compile"))]
@@ -24,14 +25,15 @@ use super::cost::Count;
 use super::entries::Entries;
 use super::kernel::Ask;
 use super::lanes::Lanes;
-use super::path::{BEYOND, BLURRED, NEAR};
+use super::path::{BEYOND, BLURRED, NEAR, Prisms};
 use super::ray::{Brief, Ray};
 use super::step::Step;
-use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
+use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, rows, walk};
 use crate::format::Views;
 use crate::format::records::Leaf;
 pub(super) use barred::{CELLS, barred, barred_from, is_walled};
 pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, otherwise};
+pub(super) use outside::{enter, entered};
 use rough::rough;
 pub(super) use sloped::sloped;
 
@@ -272,6 +274,8 @@ impl<'a> Way<'a> {
         count: &mut impl Count,
     ) -> Option<Quick> {
         let tables = self.tables;
+        // The cell in which it ends, once it is followed farther than that.
+        let mut past = NONE;
         // Each once.
         for _ in 0..tables.cells.len() {
             count.cell();
@@ -279,7 +283,12 @@ impl<'a> Way<'a> {
             let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
             let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
             if ends {
-                (end, source) = self.end(&here, cell, count)?;
+                let Some(known) = self.end(&here, cell, count) else {
+                    // What comes after its end is no reason to doubt that, but for a face that it comes to almost along it.
+                    let has_ended = here.link == Step::OTHER && past != NONE;
+                    return has_ended.then(|| self.nothing(past));
+                };
+                (end, source) = known;
             }
             let root = self.root(cell);
             let until = self.until(if ends { end.t } else { here.at_most() });
@@ -296,10 +305,14 @@ impl<'a> Way<'a> {
             if end.triangle != NONE {
                 return Some(self.met(cell, end, source));
             }
-            if here.at_most() > self.limit
-                && here.exact_of(tables, self.ray, cell) > self.limit + BEYOND * tables.scene[0].tolerance
-            {
-                return Some(self.nothing(cell));
+            if here.at_most() > self.limit {
+                let beyond = here.exact_of(tables, self.ray, cell) - self.limit;
+                if beyond > BEYOND * tables.scene[0].tolerance {
+                    return Some(self.nothing(cell));
+                }
+                if past == NONE && self.is_clear(&here, cell, beyond) {
+                    past = cell;
+                }
             }
             if here.link == Step::AROUND {
                 // Where cells say that it leaves them, or a little before: what it passed within them it did not meet.
@@ -316,6 +329,17 @@ impl<'a> Way<'a> {
             here = self.leave::<L>(cell, false);
         }
         None
+    }
+
+    /// Whether a ray that leaves a cell so far beyond its end is there, by more than cells are rounded, before the face that it leaves through.
+    #[cold]
+    #[inline(never)]
+    fn is_clear(&self, exit: &Exit, cell: u32, beyond: f64) -> bool {
+        let rounding = Prisms::new(self.tables).rounding();
+        let outward = self.outward(exit, cell);
+        beyond > self.tables.scene[0].tolerance
+            && outward
+                .is_some_and(|outward| beyond * outward.dot(self.along).abs() >= rounding * outward.length())
     }
 
     /// What ends the way, if the ray comes so far.
@@ -391,7 +415,7 @@ pub(super) fn may_meet<L: Lanes>(
     let slack = tables.scene[0].slack;
     // A little more, for what f32 made of it.
     let range = [-slack, until + until * 2e-6 + slack];
-    Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, range))
+    Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, rows(inverse), range))
 }
 
 /// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other

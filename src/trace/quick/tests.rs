@@ -214,3 +214,103 @@ fn plates_tell_what_their_triangles_would() {
         assert!(plates > 5_000 && told > plates / 3, "{name}: {told} of {plates}");
     }
 }
+
+/// Rays to places in the hull from anywhere around it, and along its edges; of some the end is near what they meet.
+fn rays_from_outside(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
+    let mut random = SplitMix64::new(seed);
+    let [lo, hi] = scene.hull();
+    let mut rays = Vec::new();
+    while rays.len() < count {
+        let far = [0.001, 1.0, 100.0][random.below(3) as usize];
+        let mut from = [0, 1, 2].map(|i| random.between(lo[i] - far, hi[i] + far));
+        if random.below(8) == 0 {
+            let axis = random.below(3) as usize;
+            from[axis] = [lo[axis], hi[axis]][random.below(2) as usize];
+        }
+        if (0..3).all(|i| from[i] > lo[i] && from[i] < hi[i]) {
+            continue;
+        }
+        let to = [0, 1, 2].map(|i| random.between(lo[i], hi[i]));
+        let mut ray = Ray::new(from, (DVec3::from(to) - DVec3::from(from)).to_array());
+        match random.below(8) {
+            0 => ray.direction[random.below(3) as usize] = 0.0,
+            1 => ray.tmax = random.between(0.0, 2.0 * far),
+            2 => ray.tmax = scene.careful(Start::Anywhere, &ray, Want::LEAST).t + random.between(-1e-3, 1e-3),
+            3 => ray.tmin = random.between(0.0, far),
+            _ => {}
+        }
+        rays.push(ray);
+    }
+    rays
+}
+
+/// All kernels against the careful walk, of rays that start anywhere; how many were answered quickly.
+fn check_from_outside(name: &str, scene: &Scene) -> f64 {
+    let rays = rays_from_outside(scene, 20_000, 8);
+    let (mut quick, mut hits, mut others) = (0, 0, 0);
+    for ray in &rays {
+        let careful = scene.careful(Start::Anywhere, ray, Want::default());
+        let is_met = careful.triangle != NONE;
+        for kernel in Kernel::available() {
+            let hit = scene.trace_with(kernel, Start::Anywhere, ray, Want::default());
+            assert_eq!(hit.triangle != NONE, is_met, "{name}: {ray:?} {hit:?} {careful:?}");
+            // Planes of sources are those of their triangles to a micrometre.
+            let is_same = !is_met || (hit.t - careful.t).abs() <= 1e-6 / GRAZING;
+            assert!(is_same, "{name}: {ray:?} {hit:?} {careful:?}");
+            // Flush with it another may stand, and where cells meet the hit may be in either.
+            let is_other = (hit.element, hit.cell) != (careful.element, careful.cell);
+            others += u32::from(is_met && is_other && kernel == scene.kernel);
+            let brief = scene.trace_brief_with(kernel, Start::Anywhere, ray);
+            assert!(
+                brief.t.to_bits() == hit.t.to_bits() || brief.t.is_nan() && hit.t.is_nan(),
+                "{name}: {ray:?}"
+            );
+        }
+        assert_eq!(scene.occluded(ray), is_met || careful.t.is_nan(), "{name}: {ray:?} {careful:?}");
+        hits += u32::from(is_met);
+        quick += u32::from(scene.from_outside(scene.kernel, ray).is_some());
+    }
+    assert!(hits > 5_000 && others * 200 < hits, "{name}: {hits} hits, {others} otherwise");
+    f64::from(quick) / rays.len() as f64
+}
+
+#[test]
+fn rays_from_outside_are_answered_as_the_careful_walk_does() {
+    let office = OfficeOptions::default();
+    for (name, scene) in [
+        ("house", scene(&house(&HouseOptions::default()), &Style::exact())),
+        ("build1", scene(&build1(&office), &Style::exact())),
+        ("random cad", scene(&random(&office), &Style::cad(1))),
+    ] {
+        // Others start farther on, end before the cells, or come to them along a side.
+        let share = check_from_outside(name, &scene);
+        assert!(share > 0.6, "{name}: {share}");
+    }
+}
+
+#[test]
+fn scenes_left_one_cell_are_answered_as_the_careful_walk_does() {
+    let options = CompileOptions { cells: false, ..CompileOptions::default() };
+    let model = house(&HouseOptions::default()).export(&Style::exact()).to_model().unwrap();
+    let scene = compile(&model, &options).unwrap().scene();
+    check_from_outside("uncut", &scene);
+    let bits = |hit: &Hit| bytemuck::bytes_of(hit).to_vec();
+    let rays = rays(&scene, 20_000, 7);
+    for (_, ray) in &rays {
+        for start in [Start::Cell(0), Start::Anywhere] {
+            let careful = scene.careful(start, ray, Want::default());
+            for kernel in Kernel::available() {
+                let hit = scene.trace_with(kernel, start, ray, Want::default());
+                assert!(bits(&hit) == bits(&careful), "{ray:?} {hit:?} {careful:?}");
+            }
+            let is_met = careful.triangle != NONE || careful.t.is_nan();
+            assert_eq!(scene.occluded_from(start, ray), is_met, "{ray:?} {careful:?}");
+        }
+    }
+    let all: Vec<Ray> = rays.iter().map(|(_, ray)| *ray).collect();
+    let mut many = vec![Hit::ESCAPED; all.len()];
+    scene.trace_many(&all, &mut many, Want::default());
+    for (ray, hit) in all.iter().zip(&many) {
+        assert!(bits(hit) == bits(&scene.careful(Start::Anywhere, ray, Want::default())), "{ray:?}");
+    }
+}

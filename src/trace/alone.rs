@@ -1,0 +1,23 @@
+//! A ray in a scene that was left one cell: all that it can meet is in one hierarchy, and no cell is walked through.
+
+use super::kernel::Ask;
+use super::lanes::Lanes;
+use super::quick::{Quick, nothing};
+use super::ray::Ray;
+use super::single::Line;
+use super::walk::{Found, Walk, walk};
+use crate::NONE;
+use crate::format::Views;
+
+/// What a ray meets of all triangles, first or at all, that starts on no surface and in no solid.
+#[inline(always)]
+pub(super) fn alone<L: Lanes>(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+    let Some(line) = Line::new(tables, ray) else { return nothing(ray.tmax, 0) };
+    let query = line.query(tables, None);
+    let found = walk::<L>(ask, &Walk::new(tables), &query, None, &mut ());
+    if found.triangle == NONE {
+        return nothing(ray.tmax, 0);
+    }
+    // Not -0.
+    Quick { found: Found { t: found.t + 0.0, ..found }, cell: 0, source: NONE }
+}
