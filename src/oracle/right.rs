@@ -13,12 +13,13 @@
 //! - *for an answer `Hit` on element `e` at `t`*: the exact hit is at the point `o + w + (t + r) d`. Element `e` is
 //!   the one that is hit there, or is hit at most the tolerance behind it (*flush* surfaces count as equal; `r` is
 //!   then measured to the surface of `e`, and the nearest one must be within the tolerance of `t` too);
-//! - *for an answer `Escaped`*: nothing is hit;
+//! - *for an answer `Escaped`*: nothing is hit before the end, which is at `o + w + (tmax + r) d`, and not before the start;
 //!
-//! and the displacement `sqrt(|w|^2 + max(|s|, |r|)^2)` is at most the tolerance: both the start and the hit point
+//! and the displacement `sqrt(|w|^2 + max(|s|, |r|)^2)` is at most the tolerance: both the start and the hit point, or the end,
 //! move by no more than that. With `s = r` this is a witness whose `t` is the answer's. That the two may differ
 //! serves rays that start within the tolerance of a surface: they count as on the air side that the direction enters, while
-//! `t` goes on counting from the ray's own origin.
+//! `t` goes on counting from the ray's own origin. So a segment that ends in the solid in which it starts, within the tolerance of the air, has
+//! nothing in its way.
 //!
 //! A start within the tolerance of surfaces that enclose nothing counts as on the side of them that the direction leads to, so that the ray
 //! need not meet them, however far off it comes through them: the displacement is then the start's distance from them.

@@ -444,6 +444,16 @@ fn segments_end_where_they_should() {
     assert!(!judge(0.0, 1.0015, Answer::Escaped).is_right());
     assert!(!judge(0.9985, 9.0, hit(2.0, 0)).is_right());
 
+    // Into a gap between two solids, of less than the tolerance: each end may be moved into that by itself.
+    let walls = [[1.0, 2.0], [2.0004, 3.0]]
+        .map(|[from, to]| (Semantic::Wall, Shape::cuboid([from, 0.0, 0.0], [to, 1.0, 1.0])));
+    let walls = self::truth(&walls);
+    for (length, is_right) in [(0.0004, true), (0.0008, true), (0.0015, true), (0.002, false)] {
+        let segment = Ray::segment([1.9995, 0.4, 0.6], [2.0, 0.0, 0.0], 0.0, length);
+        let verdict = walls.judge(&segment, &Answer::Escaped).verdict;
+        assert_eq!(verdict.is_right(), is_right, "{length}: {verdict:?}");
+    }
+
     // In a solid it matters where a segment starts, not where its origin is.
     let inside = Ray::segment([0.0, 0.4, 0.6], [2.0, 0.0, 0.0], 1.5, 9.0);
     assert_eq!(solid.judge(&inside, &Answer::InSolid(0)).verdict, Verdict::InSolidAgreed);

@@ -273,12 +273,13 @@ impl<'a> Search<'a> {
     }
 
     /// Whether the exact answer to `ray`, which is the ray in question shifted by `s` along itself and perhaps
-    /// across, is the one sought; and how far along the ray the hit is off.
+    /// across, is the one sought; and how far along the ray the hit, or the end of a segment, is off.
     fn answers(&self, ray: &Ray, s: f64) -> Option<f64> {
         let tolerance = self.truth.tolerance;
         let first = self.nearest_from_air(ray)?;
         let met = match (self.sought, first) {
             (Sought::Escaped, None) => Some(0.0),
+            (Sought::Escaped, Some(hit)) => self.ended_before(ray, hit.t, s),
             (Sought::Hit { t, element }, Some(hit)) => {
                 let off = (hit.t + s - t).abs();
                 if off > tolerance {
@@ -303,6 +304,14 @@ impl<'a> Search<'a> {
             }
             _ => met,
         }
+    }
+
+    /// How far the end of a segment, which is shifted by `s` along itself, must be moved for it to end before what it hits at `t`; `None` if it would
+    /// end before it starts, or be moved by more than the tolerance.
+    fn ended_before(&self, ray: &Ray, t: f64, s: f64) -> Option<f64> {
+        let end = t - self.step;
+        let off = (ray.tmax - (end + s)).abs();
+        (end >= first_t(ray) && off <= self.truth.tolerance).then_some(off)
     }
 
     /// Whether the ray passes a triangle of `element` nearer than rays can be aimed, at about `t` and not after `before`;

@@ -594,3 +594,9 @@ fn a_ray_on_from_a_walls_bent_side_met_it_from_within() {
 fn a_segment_met_where_it_starts_what_its_ray_does_not() {
     seeded(249, "turned-0", Family::Surfaces, 4946);
 }
+
+/// It would leave the solid into a gap narrower than it is long, and ends before that.
+#[test]
+fn a_segment_that_ends_before_a_narrow_gap_was_said_to_be_wrong() {
+    seeded(250, "house-cad", Family::Limits, 10017);
+}
