@@ -114,18 +114,6 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The lesser; if either is NaN the second: one instruction, where `min` takes four.
-#[inline(always)]
-fn least(one: f64, other: f64) -> f64 {
-    if one < other { one } else { other }
-}
-
-/// The greater; if either is NaN the second.
-#[inline(always)]
-fn most(one: f64, other: f64) -> f64 {
-    if one > other { one } else { other }
-}
-
 /// The nearest hit so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
@@ -234,47 +222,49 @@ impl<'s> Query<'s> {
     /// Decides in f64 whether the ray meets the triangle nearer than `best`.
     #[inline(always)]
     pub(super) fn test(&self, walk: &Walk<'_>, index: u32, best: &mut Found) -> bool {
-        // Each number is read where it is: axes are not known before, and copies would have to be laid out first.
-        let corners = each(walk.triangles[index as usize], |v| &walk.vertices[v as usize]);
-        let (o, d): (&[f64; 3], &[f64; 3]) = (self.origin.as_ref(), self.direction.as_ref());
+        let corners = each(walk.triangles[index as usize], |v| walk.vertices[v as usize]);
+        let d = self.direction.to_array();
+        let size = each(d, f64::abs);
         // Two axes across the ray and the one along which it mostly runs.
-        let [kx, ky, kz] = match each(*d, f64::abs) {
-            [x, y, z] if x > y && x > z => [1, 2, 0],
-            [_, y, z] if y > z => [2, 0, 1],
-            _ => [0, 1, 2],
+        let kz = if size[0] > size[1] && size[0] > size[2] {
+            0
+        } else if size[1] > size[2] {
+            1
+        } else {
+            2
         };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let sz = 1.0 / d[kz];
         let (sx, sy) = (d[kx] * sz, d[ky] * sz);
         // A sheared corner is at most twice as far across as the farthest point, and less than twice as deep: edge functions
         // farther from zero than `unsure` have the right sign.
         let farthest = self.farthest(walk.scene);
         let unsure = ROUNDING * (3.0 * farthest) * (12.0 * farthest);
-        let (ox, oy, oz) = (o[kx], o[ky], o[kz]);
+        let o = self.origin.to_array();
         let sheared = each(corners, |p| {
-            let z = p[kz] - oz;
-            [p[kx] - ox - sx * z, p[ky] - oy - sy * z, sz * z]
+            let z = p[kz] - o[kz];
+            [p[kx] - o[kx] - sx * z, p[ky] - o[ky] - sy * z, sz * z]
         });
         let [a, b, c] = sheared;
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        let (low, high) = (least(least(u, v), w), most(most(u, v), w));
-        let t = if low > unsure || high < -unsure {
-            (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
-        } else if low < -unsure && high > unsure {
+        if (u < -unsure || v < -unsure || w < -unsure) && (u > unsure || v > unsure || w > unsure) {
             return false;
+        }
+        let t = if u.abs() > unsure && v.abs() > unsure && w.abs() > unsure {
+            (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
         } else {
             // A triangle that the ray passes no farther than this is met: the same for all that it comes to.
             let near = ROUNDING * farthest;
-            match self.near_edge(near, corners, &sheared, [u, v, w]) {
+            match self.near_edge(near, &corners, &sheared, [u, v, w]) {
                 Some(t) => t,
                 None => return false,
             }
         };
         // Seen almost edge-on, rounding could put it anywhere; the triangle's own depth bounds it.
-        let (nearest, farthest) = (least(least(a[2], b[2]), c[2]), most(most(a[2], b[2]), c[2]));
-        let t = if t < nearest { nearest } else { t };
-        let t = if t > farthest { farthest } else { t };
+        let (nearest, farthest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+        let t = t.max(nearest).min(farthest);
         // The negated form also turns away NaN.
         if !(t >= self.tmin && t <= best.t)
             || (t == best.t && index >= best.triangle)
@@ -304,7 +294,7 @@ impl<'s> Query<'s> {
     fn near_edge(
         &self,
         near: f64,
-        corners: [&[f64; 3]; 3],
+        corners: &[[f64; 3]; 3],
         sheared: &[[f64; 3]; 3],
         [u, v, w]: [f64; 3],
     ) -> Option<f64> {
@@ -318,7 +308,7 @@ impl<'s> Query<'s> {
             |one: usize, other: usize| if sides[other].square > sides[one].square { other } else { one };
         let longest = &sides[longer(longer(0, 1), 2)];
         let det = u + v + w;
-        let [a, b, c] = corners.map(|&corner| DVec3::from(corner));
+        let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
         let toward = normal.dot(self.direction).abs();
         let (length, sine) = (longest.square.sqrt(), toward / normal.length());
@@ -355,18 +345,11 @@ impl<'s> Query<'s> {
     /// Whether a hit counts for a ray that starts on a surface. Where it starts in an edge, rounding may have put its
     /// origin behind the other side of that edge: what it enters there it meets, and what it leaves it does not. So with a solid that stands on
     /// the surface, face on face: no ray starts between them but by rounding.
-    fn counts(
-        &self,
-        walk: &Walk<'_>,
-        surface: &Surface,
-        corners: [&[f64; 3]; 3],
-        index: u32,
-        t: f64,
-    ) -> bool {
+    fn counts(&self, walk: &Walk<'_>, surface: &Surface, corners: [[f64; 3]; 3], index: u32, t: f64) -> bool {
         if index == surface.triangle {
             return false;
         }
-        let [a, b, c] = corners.map(|&corner| DVec3::from(corner));
+        let [a, b, c] = corners.map(DVec3::from);
         let normal = (b - a).cross(c - a);
         let (size, outward) = (normal.length(), normal.dot(self.direction));
         let depth = (t * outward).abs();
@@ -467,9 +450,8 @@ impl Side {
     }
 }
 
-/// A node that waits, and how near it is, which is not negative: one word, since a processor that reads together what was written apart waits until both
-/// are in its cache. The lesser is the nearer.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
+/// A node that waits, and how near it is: one word, since a processor that reads together what was written apart waits until both are in its cache.
+#[derive(Clone, Copy)]
 struct Waiting(u64);
 
 impl Waiting {
@@ -517,29 +499,21 @@ impl Opened {
     }
 }
 
-/// Of a node's rows of numbers (three of lower bounds, three of upper ones) those by which a ray enters boxes along each axis, and those by which it
-/// leaves them: not the lesser and the greater, as the box of a lane without a child is inside out.
-#[inline(always)]
-pub(super) fn rows(inverse: [f32; 3]) -> [[usize; 3]; 2] {
-    let [x, y, z] = each(inverse, |inverse| inverse < 0.0);
-    let row = |is_back: bool, axis: usize| if is_back { axis + 3 } else { axis };
-    [[row(x, 0), row(y, 1), row(z, 2)], [row(!x, 0), row(!y, 1), row(!z, 2)]]
-}
-
 /// The boxes of a node that a ray comes to between two places along it, and where it comes to each: from a place relative to the scene's
-/// center, 1 by its direction, whose [`rows`] these are.
+/// center, 1 by its direction.
 #[inline(always)]
 pub(super) fn open<L: Lanes>(
     node: &NodeRecord,
     local: [f32; 3],
     inverse: [f32; 3],
-    [enter, leave]: [[usize; 3]; 2],
     [first, last]: [f32; 2],
 ) -> (u32, L) {
-    let node: &[[f32; LANES]; 7] = bytemuck::cast_ref(node);
+    let sides = [&node.lo, &node.hi];
     let (mut near, mut far) = (L::splat(first), L::splat(last));
     for axis in 0..3 {
-        let (enter, leave) = (L::load(&node[enter[axis]]), L::load(&node[leave[axis]]));
+        // Not the lesser and the greater: the box of a lane without a child is inside out.
+        let back = usize::from(inverse[axis] < 0.0);
+        let (enter, leave) = (L::load(&sides[back][axis]), L::load(&sides[1 - back][axis]));
         let (inverse, shift) = (L::splat(inverse[axis]), L::splat(local[axis] * inverse[axis]));
         near = near.max(enter.mul_sub(inverse, shift));
         far = far.min(leave.mul_sub(inverse, shift));
@@ -564,7 +538,6 @@ pub(super) fn walk<L: Lanes>(
     let first = query.limit(query.tmin, slack) - 4.0 * slack;
     let first = first.max(-slack);
     let mut limit = query.limit(best.t, slack);
-    let rows = rows(query.inverse);
     let mut stack = ArrayVec::<Waiting, STACK>::new();
     let mut current = query.root;
     let mut opened = opened.filter(|opened| opened.hits != 0);
@@ -575,7 +548,7 @@ pub(super) fn walk<L: Lanes>(
                 Some(opened) => (opened.hits, L::load(&opened.near)),
                 None => {
                     count.node();
-                    open::<L>(node, query.local, query.inverse, rows, [first, limit])
+                    open::<L>(node, query.local, query.inverse, [first, limit])
                 }
             };
             if hits != 0 {
@@ -586,19 +559,19 @@ pub(super) fn walk<L: Lanes>(
                     continue;
                 }
                 // The nearest first; the others on the stack, the farthest first.
-                let near = near.max(L::splat(0.0)).store();
+                let near = near.store();
                 let mut nearest = Waiting::new(node.child[first_hit], near[first_hit]);
                 let bottom = stack.len();
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
                     let mut entry = Waiting::new(node.child[lane], near[lane]);
-                    if entry < nearest {
+                    if entry.near() < nearest.near() {
                         std::mem::swap(&mut entry, &mut nearest);
                     }
                     let mut place = stack.len();
                     stack.push(entry);
-                    while place > bottom && stack[place - 1] < entry {
+                    while place > bottom && stack[place - 1].near() < entry.near() {
                         stack[place] = stack[place - 1];
                         place -= 1;
                         stack[place] = entry;

@@ -28,7 +28,7 @@ use super::lanes::Lanes;
 use super::path::{BEYOND, BLURRED, NEAR, Prisms};
 use super::ray::{Brief, Ray};
 use super::step::Step;
-use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, rows, walk};
+use super::walk::{Found, Opened, Query, Surface, Walk, inverse, open, walk};
 use crate::format::Views;
 use crate::format::records::Leaf;
 pub(super) use barred::{CELLS, barred, barred_from, is_walled};
@@ -415,7 +415,7 @@ pub(super) fn may_meet<L: Lanes>(
     let slack = tables.scene[0].slack;
     // A little more, for what f32 made of it.
     let range = [-slack, until + until * 2e-6 + slack];
-    Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, rows(inverse), range))
+    Opened::new(root, open::<L>(&tables.nodes[root as usize], local, inverse, range))
 }
 
 /// The edges (lane i is bit i) that a point is farther within than a margin: `inward` by each, times its `size`, from one end to the other

@@ -14,7 +14,7 @@ use crate::trace::lanes::{Lanes, Portable};
 use crate::trace::path::BLURRED;
 use crate::trace::ray::Ray;
 use crate::trace::single::Line;
-use crate::trace::walk::{Found, Walk, inverse, open, rows, walk};
+use crate::trace::walk::{Found, Walk, inverse, open, walk};
 
 /// So far within the zone's side through which it comes a ray is let start, metres, and it is let go no farther than this for that.
 const DEEP: f64 = 4.0 * BLURRED;
@@ -56,7 +56,7 @@ impl Way<'_> {
         // From there back.
         let local = (start - DVec3::from(scene.center)).as_vec3().to_array();
         let inverse = inverse(self.direction.as_vec3().to_array());
-        let (hits, _) = open::<L>(node, local, inverse, rows(inverse), [f32::NEG_INFINITY, scene.slack]);
+        let (hits, _) = open::<L>(node, local, inverse, [f32::NEG_INFINITY, scene.slack]);
         hits != 0 && meets_any_before(tables, self.ray, there)
     }
 }
