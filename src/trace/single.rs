@@ -170,14 +170,14 @@ impl Scene {
             return kernel.quick_from(&self.tables, ray, hit.cell, &surface).ok_or(None);
         }
         let Some(cell) = self.free_cell(ray.origin) else {
-            return self.from_outside(kernel, ray).ok_or(None);
+            return self.answer_outside(kernel, ray).ok_or(None);
         };
         kernel.quick(&self.tables, ray, cell).ok_or(Some(cell))
     }
 
     /// The same of a ray from outside of the cells; `None` of others, too.
     #[inline(never)]
-    pub(super) fn from_outside(&self, kernel: Kernel, ray: &Ray) -> Option<Quick> {
+    pub(super) fn answer_outside(&self, kernel: Kernel, ray: &Ray) -> Option<Quick> {
         let (cell, onward) = kernel.enter(&self.tables, ray)?;
         entered(&self.tables, ray, &kernel.quick(&self.tables, &onward, cell)?)
     }
@@ -576,7 +576,7 @@ impl Scene {
         let cell = self.free_cell(ray.origin);
         let is_barred = match cell {
             Some(cell) => kernel.barred(tables, ray, cell),
-            None => self.from_outside(kernel, ray).map(|quick| quick.found.triangle != NONE),
+            None => self.answer_outside(kernel, ray).map(|quick| quick.found.triangle != NONE),
         };
         is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }

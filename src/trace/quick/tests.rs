@@ -268,7 +268,7 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
         }
         assert_eq!(scene.occluded(ray), is_met || careful.t.is_nan(), "{name}: {ray:?} {careful:?}");
         hits += u32::from(is_met);
-        quick += u32::from(scene.from_outside(scene.kernel, ray).is_some());
+        quick += u32::from(scene.answer_outside(scene.kernel, ray).is_some());
     }
     assert!(hits > 5_000 && others * 200 < hits, "{name}: {hits} hits, {others} otherwise");
     f64::from(quick) / rays.len() as f64
