@@ -327,13 +327,18 @@ impl Scene {
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
         let (tables, cell) = (&self.tables, self.start_cell(start, ray));
-        let found = cell.and_then(|cell| match start {
-            Start::Hit(hit) => {
+        let found = match (start, cell) {
+            (Start::Hit(hit), Some(cell)) => {
                 let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
                 quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
             }
-            _ => quick::<Portable, _>(tables, ray, cell, &mut cost),
-        });
+            (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
+            (Start::Hit(_), None) => None,
+            _ if self.is_one_cell() => None,
+            _ => Kernel::PORTABLE.enter(tables, ray).and_then(|(cell, onward)| {
+                entered(tables, ray, &quick::<Portable, _>(tables, &onward, cell, &mut cost)?)
+            }),
+        };
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
         }
