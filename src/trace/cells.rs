@@ -197,8 +197,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
     fn is_clear(&self, record: &CellRecord, exit: &Exit, beyond: f64) -> bool {
         let prisms = &self.path.prisms;
         let outward = prisms.turned_back(self.path.outward(record, exit));
-        let off = beyond * outward.dot(self.query.direction).abs();
-        off >= prisms.rounding() * outward.length()
+        prisms.ends_before(outward, self.query.direction, beyond)
     }
 
     /// Where the ray comes to the prisms, if it does, and which it enters.

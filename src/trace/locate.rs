@@ -143,7 +143,7 @@ impl Scene {
     #[cold]
     #[inline(never)]
     fn free_cell_at_border(&self, point: [f64; 3]) -> Option<u32> {
-        if self.tables.cells.len() == 1 || !self.tables.airgrid[0].holds(local(&self.tables, point)) {
+        if self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, point)) {
             return None;
         }
         let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));
@@ -153,7 +153,9 @@ impl Scene {
         let is_free =
             || !self.may_be_in_solid(point, 2.0 * aside(middle)) || self.is_beside_solids(point.into());
         let is_air = record.kind == CellRecord::AIR;
-        (is_air && !prisms.is_beside_rough(record, local, BLURRED) && is_free()).then_some(cell)
+        let is_clear = !prisms.is_beside_rough(record, local, BLURRED)
+            && !prisms.is_beside_matter(record, local, prisms.rounding());
+        (is_air && is_clear && is_free()).then_some(cell)
     }
 
     /// The smallest room that holds `point`.

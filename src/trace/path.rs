@@ -129,6 +129,12 @@ impl<'a> Prisms<'a> {
         4.0 * self.reach / LARGEST
     }
 
+    /// Whether a ray that comes to a face, with this normal of any length along the same axes as its direction, so far beyond its end is there, by more
+    /// than cells are rounded, before the face: almost along it, it may have met what stands there.
+    pub(super) fn ends_before(&self, outward: DVec3, direction: DVec3, beyond: f64) -> bool {
+        beyond * outward.dot(direction).abs() >= self.rounding() * outward.length()
+    }
+
     /// A point of the internal frame along the lattice's axes from its origin.
     #[inline]
     pub(crate) fn local(&self, point: DVec3) -> DVec3 {

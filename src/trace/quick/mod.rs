@@ -335,11 +335,9 @@ impl<'a> Way<'a> {
     #[cold]
     #[inline(never)]
     fn is_clear(&self, exit: &Exit, cell: u32, beyond: f64) -> bool {
-        let rounding = Prisms::new(self.tables).rounding();
-        let outward = self.outward(exit, cell);
+        let prisms = Prisms::new(self.tables);
         beyond > self.tables.scene[0].tolerance
-            && outward
-                .is_some_and(|outward| beyond * outward.dot(self.along).abs() >= rounding * outward.length())
+            && self.outward(exit, cell).is_some_and(|outward| prisms.ends_before(outward, self.along, beyond))
     }
 
     /// What ends the way, if the ray comes so far.

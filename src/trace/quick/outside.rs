@@ -11,7 +11,7 @@ use crate::trace::NONE;
 use crate::trace::free::free;
 use crate::trace::kernel::Ask;
 use crate::trace::lanes::{Lanes, Portable};
-use crate::trace::path::BLURRED;
+use crate::trace::path::{BLURRED, NEAR};
 use crate::trace::ray::Ray;
 use crate::trace::single::Line;
 use crate::trace::walk::{Found, Walk, inverse, open, walk};
@@ -19,6 +19,9 @@ use crate::trace::walk::{Found, Walk, inverse, open, walk};
 /// So far within the zone's side through which it comes a ray is let start, metres, and it is let go no farther than this for that.
 const DEEP: f64 = 4.0 * BLURRED;
 const FARTHEST: f64 = 0.25;
+
+/// From farther than this, metres, numbers do not tell well enough where a ray comes to the zone.
+const FAR: f64 = 1e7;
 
 /// Where a ray from outside goes on within the prisms: the cell, and the ray from there. `None` in doubt, and where it meets something before.
 #[inline(always)]
@@ -37,7 +40,7 @@ pub(in crate::trace) fn enter<L: Lanes>(tables: &Views, ray: &Ray) -> Option<(u3
     }
     let further = DEEP / across;
     let there = first + further;
-    if !(first > 0.0 && further <= FARTHEST && there < last && there < way.limit) {
+    if !(first > 0.0 && first <= FAR && further <= FARTHEST && there < last && there < way.limit) {
         return None;
     }
     let start = way.origin + way.direction * there;
@@ -61,11 +64,11 @@ impl Way<'_> {
     }
 }
 
-/// Whether a ray meets anything before `there`.
+/// Whether a ray meets anything before `there`, or just there, which is where the other starts.
 #[cold]
 #[inline(never)]
 fn meets_any_before(tables: &Views, ray: &Ray, there: f64) -> bool {
-    let Some(line) = Line::new(tables, &Ray { tmax: there, ..*ray }) else { return false };
+    let Some(line) = Line::new(tables, &Ray { tmax: there + NEAR, ..*ray }) else { return false };
     walk::<Portable>(Ask::Any, &Walk::new(tables), &line.query(tables, None), None, &mut ()).triangle != NONE
 }
 
