@@ -430,7 +430,7 @@ fn damage_with_right_checksums_is_refused_or_harmless() {
     let mut random = Random::new(2);
     let (mut refused, mut opened) = (0, 0);
     let mut slowest = Duration::ZERO;
-    for round in 0..3000 {
+    for round in 0..1500 {
         let mut file = house().to_vec();
         for _ in 0..1 + random.below(3) {
             let section = &sections[random.below(sections.len())];
@@ -466,7 +466,7 @@ fn damage_with_right_checksums_is_refused_or_harmless() {
         }
     }
     println!("{refused} refused, {opened} opened, slowest {slowest:?}");
-    assert!(refused > 300 && opened > 300, "{refused} refused, {opened} opened");
+    assert!(refused > 150 && opened > 150, "{refused} refused, {opened} opened");
 }
 
 /// Asks a scene everything that may walk through its tables.

@@ -21,6 +21,11 @@ fn frozen_scenes_are_what_the_generator_makes() {
         let (glb, hash) = scene.glb_and_hash().unwrap();
         let mut model = read_slice(&glb, &scene.name, &ImportOptions::default()).unwrap();
         tag(&mut model, &ImportOptions::default()).unwrap();
+        // The largest has furnished and bare the same rooms, and takes longer than all others.
+        if !bless && scene.name == "build3-bare" {
+            assert_eq!(scene.hash, hash, "{}", scene.name);
+            continue;
+        }
         let compiled = compile(&model, &CompileOptions::default()).unwrap().scene();
         if bless {
             let views = room_views(&compiled, 2);

@@ -140,7 +140,7 @@ fn own_outline(building: &Building, map: GMap) -> Outline {
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases(100))]
 
     #[test]
     fn volumes_are_sewn_to_the_same_map(assembly in assemblies()) {
@@ -153,7 +153,7 @@ proptest! {
 #[test]
 fn most_random_buildings_have_volumes_that_are_meshes() {
     let mut runner = TestRunner::new(cases(0));
-    let count = 200;
+    let count = 100;
     let mut none = 0;
     for _ in 0..count {
         let assembly = assemblies().new_tree(&mut runner).unwrap().current();

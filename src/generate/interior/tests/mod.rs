@@ -349,10 +349,10 @@ fn strange_rooms_are_no_trouble() {
         for (j, rects) in strange.iter().enumerate() {
             for (floor, ceiling) in heights {
                 let empty = Owned { rects: rects.clone(), floor, ceiling, ..typical(use_, 3.0, 4.0, 1) };
-                // Large rooms take their time: one height and every third use.
+                // Large rooms take their time: one height and every sixth use.
                 let is_small =
                     rects.len() < 9 && rects.iter().all(|r| r.size()[0].min(r.size()[1]) < units(45.0));
-                if is_small || (ceiling == units(2.7) && (i + j) % 3 == 0) {
+                if is_small || (ceiling == units(2.7) && (i + j) % 6 == 0) {
                     let windows = vec![Window { from: [i32::MIN; 2], to: [i32::MAX, 0], sill: i32::MAX }];
                     let solids = vec![rect(1.0, 1.0, 1.3, 1.3)];
                     let odd = Owned { windows, solids, keep_clear: vec![whole], ..empty.clone() };
