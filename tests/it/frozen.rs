@@ -21,10 +21,12 @@ fn frozen_scenes_are_what_the_generator_makes() {
         let (glb, hash) = scene.glb_and_hash().unwrap();
         let mut model = read_slice(&glb, &scene.name, &ImportOptions::default()).unwrap();
         tag(&mut model, &ImportOptions::default()).unwrap();
-        // The largest has furnished and bare the same rooms, and takes longer than all others.
-        if !bless && scene.name == "build3-bare" {
-            assert_eq!(scene.hash, hash, "{}", scene.name);
-            continue;
+        if !bless {
+            assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
+            // The largest has furnished and bare the same rooms, and takes longer than all others.
+            if scene.name == "build3-bare" {
+                continue;
+            }
         }
         let compiled = compile(&model, &CompileOptions::default()).unwrap().scene();
         if bless {
@@ -34,8 +36,6 @@ fn frozen_scenes_are_what_the_generator_makes() {
             let chosen: Vec<_> = views.into_iter().step_by(step).collect();
             scene.cameras = write_cameras(&chosen, &compiled.frame());
             scene.hash = hash;
-        } else {
-            assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
         }
         let cameras = parse_cameras(&scene.cameras, "scenes.toml", &compiled.frame()).unwrap();
         // One room has no more.
