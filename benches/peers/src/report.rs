@@ -99,6 +99,7 @@ impl Report {
             ("random", "Rays from random points of rooms in random directions, ns each"),
             ("pairs", "Whether two random points of rooms see each other, ns each"),
             ("outside", "Rays from eyes around a building, ns each"),
+            ("facades", "Rays on from facades, ns each"),
             ("points", "Where random points lie, ns each"),
         ] {
             let ways = self.ways(rays);

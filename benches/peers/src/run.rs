@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use enfilade::{Kernel, Place, Ray, Scene};
+use enfilade::{Answer, Kernel, Place, Ray, Scene};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use crate::{Arguments, crates, median};
 pub struct Row {
     pub scene: String,
     /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
-    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `points`: where random points lie.
+    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `facades`: on from what those meet; `points`: where random points lie.
     pub rays: &'static str,
     pub way: String,
     pub count: usize,
@@ -37,6 +37,14 @@ impl Random {
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A unit vector, any as likely as any other.
+    fn direction(&mut self) -> DVec3 {
+        let z = 2.0 * self.next() - 1.0;
+        let (sin, cos) = (std::f64::consts::TAU * self.next()).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * cos, r * sin, z)
     }
 
     /// A point in the air of a room, and its cell.
@@ -77,10 +85,7 @@ fn random(scene: &Scene, count: usize, pairs: bool) -> Rays {
             let way = DVec3::from(to) - DVec3::from(from);
             rays.push(Ray::segment(from, way.normalize().to_array(), 0.0, way.length()));
         } else {
-            let z = 2.0 * random.next() - 1.0;
-            let (sin, cos) = (std::f64::consts::TAU * random.next()).sin_cos();
-            let r = (1.0 - z * z).sqrt();
-            rays.push(Ray::new(from, [r * cos, r * sin, z]));
+            rays.push(Ray::new(from, random.direction().to_array()));
         }
         cells.push(cell);
     }
@@ -107,6 +112,31 @@ fn outside(scene: &Scene, count: usize) -> Rays {
     }
     // Around all others.
     let cells = vec![0; rays.len()];
+    Rays::new(scene, rays, cells)
+}
+
+/// On from what rays from outside meet, from a millimetre before it in random directions on that side: light, radio or sound that a facade sends out.
+fn facades(scene: &Scene, count: usize) -> Rays {
+    const BEFORE: f64 = 1e-3;
+    let mut random = Random(13);
+    let (mut rays, mut cells) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for ray in outside(scene, 2 * count).exact {
+        let Answer::Hit(hit) = scene.trace(&ray) else { continue };
+        let normal = DVec3::from(hit.normal);
+        let from = (DVec3::from(hit.point) + normal * BEFORE).to_array();
+        let cell = match scene.locate(from) {
+            Place::Air { cell, .. } => cell,
+            Place::Outside => 0,
+            Place::InSolid(_) => continue,
+        };
+        let way = random.direction();
+        let way = if way.dot(normal) < 0.0 { -way } else { way };
+        rays.push(Ray::new(from, way.to_array()));
+        cells.push(cell);
+        if rays.len() == count {
+            break;
+        }
+    }
     Rays::new(scene, rays, cells)
 }
 
@@ -170,9 +200,11 @@ pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Argume
     if is_asked("pairs") {
         rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
     }
-    if is_asked("outside") {
-        let rays = [outside(scene, arguments.random)];
-        rows.extend(nearest(&measured.name, "outside", &ways, &rays, arguments.repeat));
+    for (kind, make) in [("outside", outside as fn(&Scene, usize) -> Rays), ("facades", facades)] {
+        if is_asked(kind) {
+            let rays = [make(scene, arguments.random)];
+            rows.extend(nearest(&measured.name, kind, &ways, &rays, arguments.repeat));
+        }
     }
     if is_asked("points") {
         rows.extend(located(measured, arguments));
