@@ -23,7 +23,7 @@ mod report;
 use std::time::Instant;
 
 use enfilade_importers::{
-    Budget, Cancelled, LightKind, Limits, Model, OverBudget, Role, Untagged, UpAxis, Watch,
+    Budget, Cancelled, LightKind, Limits, Model, OverBudget, Role, Semantic, Untagged, UpAxis, Watch,
 };
 
 use self::bvh::TriangleSplits;
@@ -428,12 +428,20 @@ fn add_detail(
         #[cfg(not(feature = "rayon"))]
         let built: Vec<_> = jobs.into_iter().map(build).collect();
         let mut depth = built.iter().map(|(_, hierarchy, ..)| hierarchy.depth).max().unwrap_or(0);
-        // What cell 0 has beside detail around the prisms: all there is, for rays that pass edges too near for cells. It is built over the
-        // hierarchies of the others and what is in none of them, and its nodes come before theirs.
+        // What cell 0 has beside detail around the prisms: all there is, for rays from outside, and those that pass edges too near for cells. It is
+        // built over the hierarchies of rooms, which are apart from each other, and what is in none of them: those of the air around a building
+        // reach all around it. Its nodes come before theirs.
+        let is_apart = |owner: &Owner| match *owner {
+            Owner::Cell(cell) => tables.cells[cell as usize].semantic != Semantic::Exterior as u16,
+            Owner::Source(_) => false,
+        };
+        let apart: Vec<bool> = built.iter().map(|(owner, ..)| is_apart(owner)).collect();
         let over = zone.map(|_| {
+            let below =
+                || built.iter().zip(&apart).filter(|(_, is_apart)| **is_apart).map(|(built, _)| built);
             let mut is_below = vec![false; gathered.detail_triangles as usize];
-            built.iter().flat_map(|(.., ids)| ids).for_each(|&triangle| is_below[triangle as usize] = true);
-            let parts: Vec<bvh::Part> = built.iter().filter_map(|(_, _, part, _)| *part).collect();
+            below().flat_map(|(.., ids)| ids).for_each(|&triangle| is_below[triangle as usize] = true);
+            let parts: Vec<bvh::Part> = below().filter_map(|(_, _, part, _)| *part).collect();
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let rest: Vec<u32> = (0..gathered.detail_triangles).filter(|&t| !is_below[t as usize]).collect();
             let own: Vec<[[f64; 3]; 3]> = rest.iter().map(|&t| corners(t)).collect();
@@ -450,10 +458,10 @@ fn add_detail(
             own = (hierarchy.nodes.len(), tables.nodes.len() as u32);
             tables.cells[0].root = hierarchy.append(&rest, tables);
         }
-        let mut roots = Vec::with_capacity(built.len());
-        for (owner, hierarchy, part, ids) in built {
+        let mut roots = Vec::new();
+        for ((owner, hierarchy, part, ids), is_apart) in built.into_iter().zip(apart) {
             let root = hierarchy.append(&ids, tables);
-            roots.extend(part.map(|_| root));
+            roots.extend(part.filter(|_| is_apart).map(|_| root));
             match owner {
                 Owner::Cell(cell) => tables.cells[cell as usize].root = root,
                 Owner::Source(source) => tables.sources[source as usize].root = root,

@@ -1,5 +1,6 @@
-//! A ray in a scene that was left one cell: all that it can meet is in one hierarchy, and no cell is walked through.
+//! A ray that no cell is walked through for: in a scene that was left one cell, and from outside of all prisms. All that it can meet is in one hierarchy.
 
+use super::cost::Count;
 use super::kernel::Ask;
 use super::lanes::Lanes;
 use super::quick::{Quick, nothing};
@@ -11,10 +12,10 @@ use crate::format::Views;
 
 /// What a ray meets of all triangles, first or at all, that starts on no surface and in no solid.
 #[inline(always)]
-pub(super) fn alone<L: Lanes>(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+pub(super) fn alone<L: Lanes>(ask: Ask, tables: &Views, ray: &Ray, count: &mut impl Count) -> Quick {
     let Some(line) = Line::new(tables, ray) else { return nothing(ray.tmax, 0) };
     let query = line.query(tables, None);
-    let found = walk::<L>(ask, &Walk::new(tables), &query, None, &mut ());
+    let found = walk::<L>(ask, &Walk::new(tables), &query, None, count);
     if found.triangle == NONE {
         return nothing(ray.tmax, 0);
     }

@@ -1,6 +1,6 @@
 //! The ways into a kernel that needs instructions which not every CPU has.
 //!
-//! What `walk`, `alone`, `enter`, `free`, `free_many`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
+//! What `walk`, `alone`, `free`, `free_many`, `quick`, `barred` and those from surfaces do is compiled for those instructions within functions of their own, and only
 //! there; the rest of the crate calls them through others, which a [`Kernel`](super::Kernel) leads to that is made only where the CPU has them. What
 //! is seldom needed, or long, these call through [`Entries`], so that it does not stand within each of them.
 
@@ -115,16 +115,10 @@ pub(super) mod portable {
     use crate::trace::ray::Ray;
     use crate::trace::walk::Surface;
 
-    /// What a ray meets in a scene that was left one cell.
+    /// What a ray meets of all triangles.
     #[inline(never)]
     pub(in crate::trace) fn alone(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
-        alone::alone::<Portable>(ask, tables, ray)
-    }
-
-    /// Where a ray from outside goes on within the prisms.
-    #[inline(never)]
-    pub(in crate::trace) fn enter(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
-        quick::enter::<Portable>(tables, ray)
+        alone::alone::<Portable>(ask, tables, ray, &mut ())
     }
 
     /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.
@@ -174,7 +168,7 @@ pub(super) mod portable {
     }
 }
 
-/// The functions `run`, `alone`, `enter`, `free`, `free_many`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
+/// The functions `run`, `alone`, `free`, `free_many`, `quick`, `barred` and those from surfaces of a module that has `is_available`, on these lanes, and their
 /// [`Entries`].
 #[cfg(target_arch = "x86_64")]
 macro_rules! entries {
@@ -197,12 +191,7 @@ macro_rules! entries {
 
         #[target_feature(enable = $features)]
         fn alone_here(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
-            alone::alone::<$lanes>(ask, tables, ray)
-        }
-
-        #[target_feature(enable = $features)]
-        fn enter_here(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
-            quick::enter::<$lanes>(tables, ray)
+            alone::alone::<$lanes>(ask, tables, ray, &mut ())
         }
 
         #[target_feature(enable = $features)]
@@ -360,7 +349,7 @@ macro_rules! entries {
             unsafe { run_here(ask, tables, query) }
         }
 
-        /// What a ray meets in a scene that was left one cell.
+        /// What a ray meets of all triangles.
         ///
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
@@ -369,17 +358,6 @@ macro_rules! entries {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
             unsafe { alone_here(ask, tables, ray) }
-        }
-
-        /// Where a ray from outside goes on within the prisms.
-        ///
-        /// # Panics
-        /// If the CPU lacks the instructions (debug builds).
-        #[inline]
-        pub(super) fn enter(tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
-            debug_assert!(is_available());
-            // SAFETY: as in `run`.
-            unsafe { enter_here(tables, ray) }
         }
 
         /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.

@@ -54,12 +54,6 @@ impl AirGrid {
         [corner(0), corner(1)]
     }
 
-    /// The zone.
-    #[inline(always)]
-    pub(super) fn zone(&self) -> [[f64; 3]; 2] {
-        [self.lo, self.hi]
-    }
-
     /// Whether a point is in the zone. Written so that NaN is nowhere.
     #[inline(always)]
     pub(super) fn holds(&self, at: [f64; 3]) -> bool {

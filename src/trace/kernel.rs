@@ -115,7 +115,7 @@ impl Kernel {
         }
     }
 
-    /// What a ray meets in a scene that was left one cell.
+    /// What a ray meets of all triangles.
     #[inline]
     pub(super) fn alone(self, ask: Ask, tables: &Views, ray: &Ray) -> Quick {
         match self.0 {
@@ -124,18 +124,6 @@ impl Kernel {
             Set::Avx2 => avx2::alone(ask, tables, ray),
             #[cfg(target_arch = "x86_64")]
             Set::Avx512 => avx512::alone(ask, tables, ray),
-        }
-    }
-
-    /// Where a ray from outside goes on within the prisms, if it meets nothing before.
-    #[inline]
-    pub(super) fn enter(self, tables: &Views, ray: &Ray) -> Option<(u32, Ray)> {
-        match self.0 {
-            Set::Portable => portable::enter(tables, ray),
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::enter(tables, ray),
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::enter(tables, ray),
         }
     }
 

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
+use super::alone::alone;
 use super::begin::{Begin, aside};
 use super::cells::{Ended, among_all, nearest};
 use super::cost::{Cost, Costs};
+use super::free::local;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
@@ -12,7 +14,7 @@ use super::path::Prisms;
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
-use super::quick::{Quick, entered, quick, quick_from};
+use super::quick::{Quick, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -170,16 +172,21 @@ impl Scene {
             return kernel.quick_from(&self.tables, ray, hit.cell, &surface).ok_or(None);
         }
         let Some(cell) = self.free_cell(ray.origin) else {
-            return self.answer_outside(kernel, ray).ok_or(None);
+            return self.answer_outside(kernel, Ask::First, ray).ok_or(None);
         };
         kernel.quick(&self.tables, ray, cell).ok_or(Some(cell))
     }
 
-    /// The same of a ray from outside of the cells; `None` of others, too.
+    /// What a ray meets, first or at all, that starts outside of all prisms; `None` of others, and if it starts perhaps in a solid. Such a ray is answered
+    /// by all triangles: it meets a building's outside, where cells are large and hold much.
     #[inline(never)]
-    pub(super) fn answer_outside(&self, kernel: Kernel, ray: &Ray) -> Option<Quick> {
-        let (cell, onward) = kernel.enter(&self.tables, ray)?;
-        entered(&self.tables, ray, &kernel.quick(&self.tables, &onward, cell)?)
+    pub(super) fn answer_outside(&self, kernel: Kernel, ask: Ask, ray: &Ray) -> Option<Quick> {
+        if self.is_outside(ray) { self.alone(kernel, ask, Start::Anywhere, ray) } else { None }
+    }
+
+    /// Whether a ray's origin lies outside of all prisms.
+    fn is_outside(&self, ray: &Ray) -> bool {
+        !self.tables.airgrid[0].holds(local(&self.tables, ray.origin))
     }
 
     /// Whether there are no cells but that around them.
@@ -188,17 +195,21 @@ impl Scene {
         self.tables.cells.len() == 1
     }
 
-    /// What a ray meets, first or at all, where there is one cell; `None` if it starts on a surface, or perhaps in a solid.
+    /// What a ray meets of all triangles, first or at all; `None` if it starts on a surface, or perhaps in a solid.
     #[inline(never)]
     fn alone(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Option<Quick> {
-        let is_free = match start {
+        self.is_free(start, ray).then(|| kernel.alone(ask, &self.tables, ray))
+    }
+
+    /// Whether a ray surely starts on no surface, and in no solid.
+    fn is_free(&self, start: Start<'_>, ray: &Ray) -> bool {
+        match start {
             Start::Cell(_) => true,
             Start::Anywhere => {
                 Line::new(&self.tables, ray).is_none_or(|line| !self.may_start_in_solid(&line))
             }
             Start::Hit(_) => false,
-        };
-        is_free.then(|| kernel.alone(ask, &self.tables, ray))
+        }
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -335,9 +346,8 @@ impl Scene {
             (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
             (Start::Hit(_), None) => None,
             _ if self.is_one_cell() => None,
-            _ => Kernel::PORTABLE.enter(tables, ray).and_then(|(cell, onward)| {
-                entered(tables, ray, &quick::<Portable, _>(tables, &onward, cell, &mut cost)?)
-            }),
+            _ => (self.is_outside(ray) && self.is_free(Start::Anywhere, ray))
+                .then(|| alone::<Portable>(Ask::First, tables, ray, &mut cost)),
         };
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
@@ -581,7 +591,7 @@ impl Scene {
         let cell = self.free_cell(ray.origin);
         let is_barred = match cell {
             Some(cell) => kernel.barred(tables, ray, cell),
-            None => self.answer_outside(kernel, ray).map(|quick| quick.found.triangle != NONE),
+            None => self.answer_outside(kernel, Ask::Any, ray).map(|quick| quick.found.triangle != NONE),
         };
         is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }
@@ -614,7 +624,7 @@ impl Scene {
         let point = line.origin + line.direction * found.t;
         let (cell, room) = match self.tables.room_of(cell) {
             Some(room) => (cell, room),
-            _ if self.tables.cells.len() > 1 => self.air_at(point),
+            _ if self.tables.cells.len() > 1 => self.air_before(point, normal),
             _ if want.room => (cell, self.room_before(line, found.t)),
             _ => (cell, NONE),
         };
@@ -638,11 +648,13 @@ impl Scene {
         u32::from(self.tables.semantics[element as usize])
     }
 
-    /// The cell of air at a surface that was not met on a walk through cells, and its room.
-    #[cold]
-    fn air_at(&self, point: DVec3) -> (u32, u32) {
+    /// The cell of air before a surface that was not met on a walk through cells, and its room.
+    fn air_before(&self, point: DVec3, normal: DVec3) -> (u32, u32) {
         let prisms = Prisms::new(&self.tables);
-        let cell = prisms.place(prisms.local(point), self.tolerance()).unwrap_or(0);
+        // On the side from which it was met: an open surface has air on both, and cells are rounded by less than that.
+        let before = point + normal * (0.5 * self.tolerance());
+        let place = |point: DVec3| prisms.place(prisms.local(point), self.tolerance());
+        let cell = place(before).or_else(|| place(point)).unwrap_or(0);
         let cell = if self.tables.cells[cell as usize].kind == CellRecord::AIR { cell } else { 0 };
         (cell, self.tables.cells[cell as usize].room)
     }
@@ -737,12 +749,6 @@ impl Line {
         }
         // The hull has a margin around all triangles, so that rounding here loses none of them.
         (enter <= leave).then_some(Line { start: enter, ..line })
-    }
-
-    /// The same without ends.
-    #[inline(always)]
-    pub(super) fn whole(&self, tables: &Views) -> Query<'static> {
-        Line { tmin: 0.0, tmax: f64::INFINITY, ..*self }.query(tables, None)
     }
 
     #[inline(always)]

@@ -12,7 +12,6 @@
 
 mod barred;
 mod leaving;
-mod outside;
 mod rough;
 mod sloped;
 #[cfg(all(test, feature = "compile"))]
@@ -33,7 +32,6 @@ use crate::format::Views;
 use crate::format::records::Leaf;
 pub(super) use barred::{CELLS, barred, barred_from, is_walled};
 pub(super) use leaving::{DOWN, Exit, Passage, UP, is_split, otherwise};
-pub(super) use outside::{enter, entered};
 use rough::rough;
 pub(super) use sloped::sloped;
 

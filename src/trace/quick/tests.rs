@@ -1,6 +1,7 @@
 //! The quick way against the careful one, on all kernels.
 
 use super::*;
+use crate::format::records::CellRecord;
 use crate::generate::{
     Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
 };
@@ -247,7 +248,7 @@ fn rays_from_outside(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
 /// All kernels against the careful walk, of rays that start anywhere; how many were answered quickly.
 fn check_from_outside(name: &str, scene: &Scene) -> f64 {
     let rays = rays_from_outside(scene, 20_000, 8);
-    let (mut quick, mut hits, mut others) = (0, 0, 0);
+    let (mut quick, mut hits, mut others, mut placed) = (0, 0, 0, 0);
     for ray in &rays {
         let careful = scene.careful(Start::Anywhere, ray, Want::default());
         let is_met = careful.triangle != NONE;
@@ -257,9 +258,16 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
             // Planes of sources are those of their triangles to a micrometre.
             let is_same = !is_met || (hit.t - careful.t).abs() <= 1e-6 / GRAZING;
             assert!(is_same, "{name}: {ray:?} {hit:?} {careful:?}");
-            // Flush with it another may stand, and where cells meet the hit may be in either.
-            let is_other = (hit.element, hit.cell) != (careful.element, careful.cell);
-            others += u32::from(is_met && is_other && kernel == scene.kernel);
+            // Flush with it another may stand.
+            others += u32::from(is_met && hit.element != careful.element && kernel == scene.kernel);
+            // Its cell is before what was met, if there are cells; that of the careful walk may be another which meets it there.
+            if is_met && hit.cell != 0 {
+                let (prisms, cell) = (Prisms::new(&scene.tables), &scene.tables.cells[hit.cell as usize]);
+                let before = DVec3::from(hit.point) + DVec3::from(hit.normal) * (0.5 * scene.tolerance());
+                let is_held = prisms.nearly_holds(cell, prisms.local(before), scene.tolerance());
+                assert!(cell.kind == CellRecord::AIR && is_held, "{name}: {ray:?} {hit:?}");
+                placed += 1;
+            }
             let brief = scene.trace_brief_with(kernel, Start::Anywhere, ray);
             assert!(
                 brief.t.to_bits() == hit.t.to_bits() || brief.t.is_nan() && hit.t.is_nan(),
@@ -268,9 +276,10 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
         }
         assert_eq!(scene.occluded(ray), is_met || careful.t.is_nan(), "{name}: {ray:?} {careful:?}");
         hits += u32::from(is_met);
-        quick += u32::from(scene.answer_outside(scene.kernel, ray).is_some());
+        quick += u32::from(scene.answer_outside(scene.kernel, Ask::First, ray).is_some());
     }
     assert!(hits > 5_000 && others * 200 < hits, "{name}: {hits} hits, {others} otherwise");
+    assert!(placed > hits / 2 || scene.cells().len() == 1, "{name}: {placed} of {hits} hits in cells");
     f64::from(quick) / rays.len() as f64
 }
 
