@@ -98,11 +98,10 @@ impl Scene {
         if found.triangle == NONE {
             return false;
         }
-        let record = self.tables.record(found.triangle);
-        let is_solid = |volume: &VolumeRecord| volume.role == Role::Solid as u32;
-        if !self.tables.volumes.get(record.volume as usize).is_some_and(is_solid) {
+        if !self.is_of_solid(found.triangle) {
             return false;
         }
+        let record = self.tables.record(found.triangle);
         let [a, b, c] = Walk::new(&self.tables).corners(found.triangle);
         let ahead = (b - a).cross(c - a).dot(line.direction);
         let is_back = match Facing::of(record.facing) {
@@ -111,6 +110,12 @@ impl Scene {
             _ => false,
         };
         is_back && !self.is_in_void(line, found.t)
+    }
+
+    /// Whether a triangle is one of a closed solid's.
+    pub(super) fn is_of_solid(&self, triangle: u32) -> bool {
+        let is_solid = |volume: &VolumeRecord| volume.role == Role::Solid as u32;
+        self.tables.volumes.get(self.tables.record(triangle).volume as usize).is_some_and(is_solid)
     }
 
     /// Whether there is air before what a ray met, and matter behind: a void in a solid has walls that are backs of their own surface.

@@ -470,7 +470,7 @@ impl Scene {
         if is_met { self.describe(&line, ended, want) } else { Hit::ESCAPED }
     }
 
-    /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where another solid
+    /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else
     /// stands against it, enters that there.
     fn past_edge<P: Probe>(&self, line: &Line, edge: Found, probe: &mut P) -> Ended {
         /// More surfaces than this in an edge are not told apart.
@@ -486,9 +486,11 @@ impl Scene {
                 let [a, b, c] = walk.corners(triangle);
                 (b - a).cross(c - a).dot(line.direction) < 0.0
             };
+            // What encloses nothing has no inside that it could come out of.
             if found.triangle == NONE
                 || found.t > edge.t + aside
-                || enters(found.triangle) && !walk.are_of_one(found.triangle, edge.triangle)
+                || !walk.are_of_one(found.triangle, edge.triangle)
+                    && (enters(found.triangle) || !self.is_of_solid(found.triangle))
             {
                 return Ended { found, cell: 0, in_matter: false };
             }
