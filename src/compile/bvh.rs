@@ -144,7 +144,7 @@ fn build_with(
     } else if triangles.len() + parts.len() <= LANES {
         few(triangles, parts, center, slack)
     } else {
-        // What is in no other hierarchy is mostly walls, large and often oblique.
+        // What is in no other hierarchy is mostly walls and what is outside, large and often oblique.
         let rounded = rounded(triangles, center);
         let boxes = match splits {
             TriangleSplits::None => whole(&rounded),

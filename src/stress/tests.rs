@@ -601,8 +601,8 @@ fn a_segment_that_ends_before_a_narrow_gap_was_said_to_be_wrong() {
     seeded(250, "house-cad", Family::Limits, 10017);
 }
 
+/// Up within it, to where its front is flush with the wall's: half a millimetre below the edge of the wall's opening, by which it was let past both.
 #[test]
 fn a_ray_from_within_a_frame_does_not_pass_its_front() {
-    // Up within it, to where its front is flush with the wall's: half a millimetre below the edge of the wall's opening, by which it was let past both.
     seeded(1139, "turned-5", Family::Zeros, 3964);
 }

@@ -4,7 +4,6 @@ use super::cost::Count;
 use super::kernel::Ask;
 use super::lanes::Lanes;
 use super::quick::{Quick, nothing};
-use super::ray::Ray;
 use super::single::Line;
 use super::walk::{Found, Walk, walk};
 use crate::NONE;
@@ -12,12 +11,11 @@ use crate::format::Views;
 
 /// What a ray meets of all triangles, first or at all, that starts on no surface and in no solid.
 #[inline(always)]
-pub(super) fn alone<L: Lanes>(ask: Ask, tables: &Views, ray: &Ray, count: &mut impl Count) -> Quick {
-    let Some(line) = Line::new(tables, ray) else { return nothing(ray.tmax, 0) };
+pub(super) fn alone<L: Lanes>(ask: Ask, tables: &Views, line: &Line, count: &mut impl Count) -> Quick {
     let query = line.query(tables, None);
     let found = walk::<L>(ask, &Walk::new(tables), &query, None, count);
     if found.triangle == NONE {
-        return nothing(ray.tmax, 0);
+        return nothing(line.tmax, 0);
     }
     // Not -0.
     Quick { found: Found { t: found.t + 0.0, ..found }, cell: 0, source: NONE }

@@ -113,12 +113,13 @@ pub(super) mod portable {
     use crate::trace::lanes::Portable;
     use crate::trace::quick::{self, Quick};
     use crate::trace::ray::Ray;
+    use crate::trace::single::Line;
     use crate::trace::walk::Surface;
 
     /// What a ray meets of all triangles.
     #[inline(never)]
-    pub(in crate::trace) fn alone(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
-        alone::alone::<Portable>(ask, tables, ray, &mut ())
+    pub(in crate::trace) fn alone(ask: Ask, tables: &Views, line: &Line) -> Quick {
+        alone::alone::<Portable>(ask, tables, line, &mut ())
     }
 
     /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.
@@ -181,6 +182,7 @@ macro_rules! entries {
         use $crate::trace::kernel::Ask;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
+        use $crate::trace::single::Line;
         use $crate::trace::step;
         use $crate::trace::walk::{self, Found, Opened, Query, Surface, Walk};
 
@@ -190,8 +192,8 @@ macro_rules! entries {
         }
 
         #[target_feature(enable = $features)]
-        fn alone_here(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
-            alone::alone::<$lanes>(ask, tables, ray, &mut ())
+        fn alone_here(ask: Ask, tables: &Views, line: &Line) -> Quick {
+            alone::alone::<$lanes>(ask, tables, line, &mut ())
         }
 
         #[target_feature(enable = $features)]
@@ -354,10 +356,10 @@ macro_rules! entries {
         /// # Panics
         /// If the CPU lacks the instructions (debug builds).
         #[inline]
-        pub(super) fn alone(ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+        pub(super) fn alone(ask: Ask, tables: &Views, line: &Line) -> Quick {
             debug_assert!(is_available());
             // SAFETY: as in `run`.
-            unsafe { alone_here(ask, tables, ray) }
+            unsafe { alone_here(ask, tables, line) }
         }
 
         /// The prism of air that holds a point, where that is in no doubt, and whether no solid may hold it, too.

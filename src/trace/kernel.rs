@@ -6,6 +6,7 @@ use super::lanes::Portable;
 use super::packet::Answers;
 use super::quick::Quick;
 use super::ray::Ray;
+use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
@@ -117,13 +118,13 @@ impl Kernel {
 
     /// What a ray meets of all triangles.
     #[inline]
-    pub(super) fn alone(self, ask: Ask, tables: &Views, ray: &Ray) -> Quick {
+    pub(super) fn alone(self, ask: Ask, tables: &Views, line: &Line) -> Quick {
         match self.0 {
-            Set::Portable => portable::alone(ask, tables, ray),
+            Set::Portable => portable::alone(ask, tables, line),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => avx2::alone(ask, tables, ray),
+            Set::Avx2 => avx2::alone(ask, tables, line),
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => avx512::alone(ask, tables, ray),
+            Set::Avx512 => avx512::alone(ask, tables, line),
         }
     }
 

@@ -51,7 +51,7 @@ pub struct Brief {
     pub t: f64,
     /// Index of a triangle in whose plane the hit lies, of the element and the material that was met; or [`NONE`].
     pub triangle: u32,
-    /// Index of the cell in which the ray ended, or [`NONE`].
+    /// Index of the cell in which the ray ended, 0 where it was not followed from cell to cell ([`Scene::hit`](crate::Scene::hit) finds it), or [`NONE`].
     pub cell: u32,
 }
 

@@ -10,15 +10,14 @@ use super::free::local;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
-use super::path::Prisms;
+use super::path::{BLURRED, Prisms};
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
-use super::quick::{Quick, quick, quick_from};
+use super::quick::{Quick, nothing, quick, quick_from};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
 use crate::format::Views;
-use crate::format::records::CellRecord;
 use crate::scene::Scene;
 
 /// Planes nearer to the origin of a restarted ray than this, in metres per metre of coordinate, count as the one
@@ -73,7 +72,7 @@ impl Default for Want {
 }
 
 impl Want {
-    /// Only what costs nothing.
+    /// Only what costs nothing, and the cell, which is looked up where the ray was not followed from cell to cell: one from outside of them.
     pub const LEAST: Want = Want { room: false, face: false, triangle: false };
 
     /// The same, and the kind of the face.
@@ -159,7 +158,8 @@ impl Scene {
         if self.is_one_cell() {
             return self.alone(kernel, Ask::First, start, ray).ok_or(None);
         }
-        if let Start::Cell(cell) = start {
+        // Cell 0 is around all others.
+        if let Start::Cell(cell @ 1..) = start {
             if let Some(quick) = kernel.quick(&self.tables, ray, cell) {
                 return Ok(quick);
             }
@@ -181,12 +181,14 @@ impl Scene {
     /// by all triangles: it meets a building's outside, where cells are large and hold much.
     #[inline(never)]
     pub(super) fn answer_outside(&self, kernel: Kernel, ask: Ask, ray: &Ray) -> Option<Quick> {
-        if self.is_outside(ray) { self.alone(kernel, ask, Start::Anywhere, ray) } else { None }
+        let Some(line) = Line::new(&self.tables, ray) else { return Some(nothing(ray.tmax, 0)) };
+        self.starts_outside(&line).then(|| kernel.alone(ask, &self.tables, &line))
     }
 
-    /// Whether a ray's origin lies outside of all prisms.
-    fn is_outside(&self, ray: &Ray) -> bool {
-        !self.tables.airgrid[0].holds(local(&self.tables, ray.origin))
+    /// Whether a ray starts outside of all prisms, and surely in no solid.
+    fn starts_outside(&self, line: &Line) -> bool {
+        let start = (line.origin + line.direction * line.tmin).to_array();
+        !self.tables.airgrid[0].holds(local(&self.tables, start)) && !self.may_start_in_solid(line)
     }
 
     /// Whether there are no cells but that around them.
@@ -198,18 +200,14 @@ impl Scene {
     /// What a ray meets of all triangles, first or at all; `None` if it starts on a surface, or perhaps in a solid.
     #[inline(never)]
     fn alone(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Option<Quick> {
-        self.is_free(start, ray).then(|| kernel.alone(ask, &self.tables, ray))
-    }
-
-    /// Whether a ray surely starts on no surface, and in no solid.
-    fn is_free(&self, start: Start<'_>, ray: &Ray) -> bool {
-        match start {
+        // What comes by the hull meets nothing.
+        let Some(line) = Line::new(&self.tables, ray) else { return Some(nothing(ray.tmax, 0)) };
+        let is_free = match start {
             Start::Cell(_) => true,
-            Start::Anywhere => {
-                Line::new(&self.tables, ray).is_none_or(|line| !self.may_start_in_solid(&line))
-            }
+            Start::Anywhere => !self.may_start_in_solid(&line),
             Start::Hit(_) => false,
-        }
+        };
+        is_free.then(|| kernel.alone(ask, &self.tables, &line))
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -346,8 +344,9 @@ impl Scene {
             (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
             (Start::Hit(_), None) => None,
             _ if self.is_one_cell() => None,
-            _ => (self.is_outside(ray) && self.is_free(Start::Anywhere, ray))
-                .then(|| alone::<Portable>(Ask::First, tables, ray, &mut cost)),
+            _ => Line::new(tables, ray)
+                .filter(|line| self.starts_outside(line))
+                .map(|line| alone::<Portable>(Ask::First, tables, &line, &mut cost)),
         };
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
@@ -429,7 +428,7 @@ impl Scene {
                     ended = again(&line, probe);
                 }
                 Begin::At(_) if surface.is_some() && self.comes_by_air(&onward, ended.found.t) => {
-                    ended = self.past_edge(&onward, ended.found, probe);
+                    ended = self.past_edge(&onward, surface.as_ref(), ended.found, probe);
                 }
                 Begin::At(_) => {}
                 Begin::Beside(way) => {
@@ -472,7 +471,13 @@ impl Scene {
 
     /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else
     /// stands against it, enters that there.
-    fn past_edge<P: Probe>(&self, line: &Line, edge: Found, probe: &mut P) -> Ended {
+    fn past_edge<P: Probe>(
+        &self,
+        line: &Line,
+        surface: Option<&Surface>,
+        edge: Found,
+        probe: &mut P,
+    ) -> Ended {
         /// More surfaces than this in an edge are not told apart.
         const MOST: usize = 64;
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
@@ -480,17 +485,23 @@ impl Scene {
         let mut query = line.query(tables, None);
         query.aim(tables.cells[0].root, line.tmax);
         query.follow((edge.t - aside).max(line.tmin), 0);
+        let is_of_solid = self.is_of_solid(edge.triangle);
         for _ in 0..MOST {
             let found = probe.nearest(&walk, &query);
             let enters = |triangle: u32| {
                 let [a, b, c] = walk.corners(triangle);
                 (b - a).cross(c - a).dot(line.direction) < 0.0
             };
-            // What encloses nothing has no inside that it could come out of.
+            // What encloses nothing has no inside that it could come out of; but what it starts on it does not meet.
+            let is_open = |triangle: u32| {
+                let is_own = surface.is_some_and(|own| walk.is_part_of(triangle, own, line.origin));
+                let may_be_met = is_of_solid || !walk.are_of_one(triangle, edge.triangle);
+                may_be_met && !is_own && !self.is_of_solid(triangle)
+            };
             if found.triangle == NONE
                 || found.t > edge.t + aside
-                || !walk.are_of_one(found.triangle, edge.triangle)
-                    && (enters(found.triangle) || !self.is_of_solid(found.triangle))
+                || enters(found.triangle) && !walk.are_of_one(found.triangle, edge.triangle)
+                || is_open(found.triangle)
             {
                 return Ended { found, cell: 0, in_matter: false };
             }
@@ -566,7 +577,7 @@ impl Scene {
         {
             return quick.found.triangle != NONE;
         }
-        if let Start::Cell(cell) = start
+        if let Start::Cell(cell @ 1..) = start
             && let Some(is_barred) = self.kernel.barred(&self.tables, ray, cell)
         {
             return is_barred;
@@ -653,11 +664,10 @@ impl Scene {
     /// The cell of air before a surface that was not met on a walk through cells, and its room.
     fn air_before(&self, point: DVec3, normal: DVec3) -> (u32, u32) {
         let prisms = Prisms::new(&self.tables);
-        // On the side from which it was met: an open surface has air on both, and cells are rounded by less than that.
-        let before = point + normal * (0.5 * self.tolerance());
-        let place = |point: DVec3| prisms.place(prisms.local(point), self.tolerance());
-        let cell = place(before).or_else(|| place(point)).unwrap_or(0);
-        let cell = if self.tables.cells[cell as usize].kind == CellRecord::AIR { cell } else { 0 };
+        let is_air = |&cell: &u32| self.tables.is_air(cell);
+        let air = |point: DVec3| prisms.place(prisms.local(point), self.tolerance()).filter(is_air);
+        // On the side from which it was met: an open surface has air on both. Cells are rounded by less than that.
+        let cell = air(point + normal * BLURRED).or_else(|| air(point)).unwrap_or(0);
         (cell, self.tables.cells[cell as usize].room)
     }
 
