@@ -10,7 +10,7 @@ use super::free::local;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
-use super::path::{BLURRED, Prisms};
+use super::path::Prisms;
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
@@ -666,8 +666,8 @@ impl Scene {
         let prisms = Prisms::new(&self.tables);
         let is_air = |&cell: &u32| self.tables.is_air(cell);
         let air = |point: DVec3| prisms.place(prisms.local(point), self.tolerance()).filter(is_air);
-        // On the side from which it was met: an open surface has air on both. Cells are rounded by less than that.
-        let cell = air(point + normal * BLURRED).or_else(|| air(point)).unwrap_or(0);
+        // On the side from which it was met: an open surface has air on both. No farther: in small models the next cell may be as near as cells are blurred.
+        let cell = air(point + normal * (0.5 * self.tolerance())).or_else(|| air(point)).unwrap_or(0);
         (cell, self.tables.cells[cell as usize].room)
     }
 

@@ -6,7 +6,7 @@ use crate::generate::{
     Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
 };
 use crate::splitmix::SplitMix64;
-use crate::trace::path::{BLURRED, Prisms};
+use crate::trace::path::Prisms;
 use crate::trace::single::surface_of;
 use crate::trace::{Hit, Kernel, Place, Start, Want};
 use crate::{CompileOptions, Scene, compile};
@@ -263,7 +263,7 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
             // Its cell is before what was met, if there are cells; that of the careful walk may be another which meets it there.
             if is_met && hit.cell != 0 {
                 let (prisms, cell) = (Prisms::new(&scene.tables), &scene.tables.cells[hit.cell as usize]);
-                let before = DVec3::from(hit.point) + DVec3::from(hit.normal) * BLURRED;
+                let before = DVec3::from(hit.point) + DVec3::from(hit.normal) * (0.5 * scene.tolerance());
                 let is_held = prisms.nearly_holds(cell, prisms.local(before), scene.tolerance());
                 assert!(cell.kind == CellRecord::AIR && is_held, "{name}: {ray:?} {hit:?}");
                 placed += 1;
