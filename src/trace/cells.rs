@@ -112,8 +112,9 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         let hinted = prisms.cells.get(hint as usize).filter(is_air);
         let is_hinted = |margin: f64| hinted.is_some_and(|cell| prisms.nearly_holds(cell, point, margin));
         if self.query.surface.is_some() {
-            // From the surface that it starts on, the ray does not come back to that.
-            return if is_hinted(BLURRED) { Ok(hint) } else { self.find(point) };
+            // From the surface that it starts on, the ray does not come back to that. In small models another cell may be as near as cells are blurred.
+            let margin = BLURRED.min(self.surfaces.tolerance);
+            return if is_hinted(margin) { Ok(hint) } else { self.find(point) };
         }
         let cell = if is_hinted(NEAR) { hint } else { self.find(point)? };
         // By what cells are rounded it may be behind that face, and come through it where no cell tells.

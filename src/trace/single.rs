@@ -171,24 +171,16 @@ impl Scene {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
             return kernel.quick_from(&self.tables, ray, hit.cell, &surface).ok_or(None);
         }
-        let Some(cell) = self.free_cell(ray.origin) else {
-            return self.answer_outside(kernel, Ask::First, ray).ok_or(None);
-        };
-        kernel.quick(&self.tables, ray, cell).ok_or(Some(cell))
-    }
-
-    /// What a ray meets, first or at all, that starts outside of all prisms; `None` of others, and if it starts perhaps in a solid. Such a ray is answered
-    /// by all triangles: it meets a building's outside, where cells are large and hold much.
-    #[inline(never)]
-    pub(super) fn answer_outside(&self, kernel: Kernel, ask: Ask, ray: &Ray) -> Option<Quick> {
-        let Some(line) = Line::new(&self.tables, ray) else { return Some(nothing(ray.tmax, 0)) };
-        self.starts_outside(&line).then(|| kernel.alone(ask, &self.tables, &line))
-    }
-
-    /// Whether a ray starts outside of all prisms, and surely in no solid.
-    fn starts_outside(&self, line: &Line) -> bool {
-        let start = (line.origin + line.direction * line.tmin).to_array();
-        !self.tables.airgrid[0].holds(local(&self.tables, start)) && !self.may_start_in_solid(line)
+        // Around all others most start that are said to be in this cell.
+        if let Start::Cell(_) = start
+            && let Some(quick) = self.alone(kernel, Ask::First, start, ray)
+        {
+            return Ok(quick);
+        }
+        match self.free_cell(ray.origin) {
+            Some(cell) => kernel.quick(&self.tables, ray, cell).ok_or(Some(cell)),
+            None => self.alone(kernel, Ask::First, start, ray).ok_or(None),
+        }
     }
 
     /// Whether there are no cells but that around them.
@@ -197,17 +189,26 @@ impl Scene {
         self.tables.cells.len() == 1
     }
 
-    /// What a ray meets of all triangles, first or at all; `None` if it starts on a surface, or perhaps in a solid.
+    /// What a ray meets of all triangles, first or at all, that starts outside of all prisms; `None` of others, and if it starts on a surface, or perhaps in
+    /// a solid. Where there are prisms such a ray meets a building's outside, where they are large and hold much.
     #[inline(never)]
-    fn alone(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Option<Quick> {
+    pub(super) fn alone(&self, kernel: Kernel, ask: Ask, start: Start<'_>, ray: &Ray) -> Option<Quick> {
         // What comes by the hull meets nothing.
         let Some(line) = Line::new(&self.tables, ray) else { return Some(nothing(ray.tmax, 0)) };
-        let is_free = match start {
-            Start::Cell(_) => true,
-            Start::Anywhere => !self.may_start_in_solid(&line),
+        self.starts_alone(start, &line).then(|| kernel.alone(ask, &self.tables, &line))
+    }
+
+    /// Whether a ray starts outside of all prisms, on no surface, and surely in no solid.
+    #[inline(always)]
+    fn starts_alone(&self, start: Start<'_>, line: &Line) -> bool {
+        let from = || (line.origin + line.direction * line.tmin).to_array();
+        let is_outside =
+            || self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, from()));
+        match start {
+            Start::Cell(_) => is_outside(),
+            Start::Anywhere => is_outside() && !self.may_start_in_solid(line),
             Start::Hit(_) => false,
-        };
-        is_free.then(|| kernel.alone(ask, &self.tables, &line))
+        }
     }
 
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -342,10 +343,8 @@ impl Scene {
                 quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
             }
             (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
-            (Start::Hit(_), None) => None,
-            _ if self.is_one_cell() => None,
             _ => Line::new(tables, ray)
-                .filter(|line| self.starts_outside(line))
+                .filter(|line| self.starts_alone(start, line))
                 .map(|line| alone::<Portable>(Ask::First, tables, &line, &mut cost)),
         };
         if let Some(found) = found {
@@ -601,10 +600,17 @@ impl Scene {
         {
             return self.is_occluded(start, ray);
         }
+        let is_met = |quick: Quick| quick.found.triangle != NONE;
+        // Around all others most start that are said to be in this cell.
+        if let Start::Cell(_) = start
+            && let Some(quick) = self.alone(kernel, Ask::Any, start, ray)
+        {
+            return is_met(quick);
+        }
         let cell = self.free_cell(ray.origin);
         let is_barred = match cell {
             Some(cell) => kernel.barred(tables, ray, cell),
-            None => self.answer_outside(kernel, Ask::Any, ray).map(|quick| quick.found.triangle != NONE),
+            None => self.alone(kernel, Ask::Any, start, ray).map(is_met),
         };
         is_barred.unwrap_or_else(|| self.is_occluded(known(start, ray, cell), ray))
     }

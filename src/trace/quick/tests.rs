@@ -276,7 +276,7 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
         }
         assert_eq!(scene.occluded(ray), is_met || careful.t.is_nan(), "{name}: {ray:?} {careful:?}");
         hits += u32::from(is_met);
-        quick += u32::from(scene.answer_outside(scene.kernel, Ask::First, ray).is_some());
+        quick += u32::from(scene.alone(scene.kernel, Ask::First, Start::Anywhere, ray).is_some());
     }
     assert!(hits > 5_000 && others * 200 < hits, "{name}: {hits} hits, {others} otherwise");
     assert!(placed > hits / 2 || scene.cells().len() == 1, "{name}: {placed} of {hits} hits in cells");
