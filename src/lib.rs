@@ -50,7 +50,7 @@
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-#[cfg(feature = "proptest")]
+#[cfg(any(feature = "proptest", all(test, feature = "compile")))]
 pub mod arbitrary;
 #[cfg(feature = "render")]
 pub mod beam;

@@ -3,9 +3,12 @@
 use super::block::Stage;
 use super::judge::Worth;
 use super::*;
+use crate::format::records::CellRecord;
 use crate::scene::Scene;
-use crate::trace::{Answer, Hit, Ray, Start, Want};
+use crate::splitmix::SplitMix64;
+use crate::trace::{Answer, BLURRED, Hit, NONE, Prisms, Ray, Start, Want};
 use enfilade_importers::Semantic;
+use glam::DVec3;
 
 #[test]
 fn every_trial_is_compiled_and_nothing_bad_is_found() {
@@ -605,4 +608,44 @@ fn a_segment_that_ends_before_a_narrow_gap_was_said_to_be_wrong() {
 #[test]
 fn a_ray_from_within_a_frame_does_not_pass_its_front() {
     seeded(1139, "turned-5", Family::Zeros, 3964);
+}
+
+/// Where walls are thinner than cells are blurred in houses, the cell behind one is as near to what stands before it.
+#[test]
+fn a_ray_on_from_a_hit_asks_no_cell_that_is_only_near() {
+    staged_with(1, "scaled-1e-3", Family::Anywhere, |_, scene| {
+        let (prisms, tolerance) = (Prisms::new(&scene.tables), scene.tolerance());
+        let mut random = SplitMix64::new(3);
+        let rooms: Vec<[[f64; 3]; 2]> = scene.rooms().map(|room| room.bounds()).collect();
+        let mut asked = 0;
+        for round in 0..20_000 {
+            let [lo, hi] = rooms[round % rooms.len()];
+            let [from, to] = [0, 1].map(|_| DVec3::from([0, 1, 2].map(|i| random.between(lo[i], hi[i]))));
+            let hit = scene.trace_from(
+                Start::Anywhere,
+                &Ray::new(from.to_array(), (to - from).to_array()),
+                Want::default(),
+            );
+            if hit.triangle == NONE || hit.cell == 0 {
+                continue;
+            }
+            let (normal, way) = (DVec3::from(hit.normal), (to - from).normalize());
+            let onward = Ray::new(hit.point, (way - 2.0 * way.dot(normal) * normal).to_array());
+            let told = scene.trace_from(Start::Hit(&hit), &onward, Want::default());
+            let local = prisms.local(hit.point.into());
+            for (cell, record) in (0..).zip(prisms.cells).filter(|(_, record)| record.kind == CellRecord::AIR)
+            {
+                let is_near = |margin: f64| prisms.nearly_holds(record, local, margin);
+                if is_near(BLURRED) && !is_near(2.0 * tolerance) {
+                    let other = scene.trace_from(Start::Hit(&Hit { cell, ..hit }), &onward, Want::default());
+                    assert!(
+                        (told.t - other.t).abs() <= tolerance || told.t == other.t,
+                        "{onward:?} {told:?} {other:?}"
+                    );
+                    asked += 1;
+                }
+            }
+        }
+        assert!(asked > 1000, "{asked}");
+    });
 }

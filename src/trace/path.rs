@@ -322,7 +322,7 @@ impl<'a> Prisms<'a> {
 
     /// Whether `point` (from the lattice's origin) is in the prism, or outside by no more than some `margin`.
     #[inline]
-    pub(super) fn nearly_holds(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
+    pub(crate) fn nearly_holds(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
         let over = |plane: u32, up: f64| {
             let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
             (point.z - p * point.x - q * point.y - height) * up <= margin * (1.0 + p.abs() + q.abs())

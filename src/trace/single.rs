@@ -202,8 +202,7 @@ impl Scene {
     #[inline(always)]
     fn starts_alone(&self, start: Start<'_>, line: &Line) -> bool {
         let from = || (line.origin + line.direction * line.tmin).to_array();
-        let is_outside =
-            || self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, from()));
+        let is_outside = || self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, from()));
         match start {
             Start::Cell(_) => is_outside(),
             Start::Anywhere => is_outside() && !self.may_start_in_solid(line),

@@ -14,6 +14,7 @@ mod beams;
 #[allow(dead_code)]
 #[path = "../../examples/lidar.rs"]
 mod lidar;
+#[cfg(feature = "proptest")]
 #[allow(dead_code)]
 #[path = "../../examples/properties.rs"]
 mod properties;
@@ -184,6 +185,7 @@ fn beams_make_a_picture_of_each_room() {
     assert!(beams::run(words([HOUSE]), &mut Vec::new()).unwrap_err().to_string().starts_with("usage: "));
 }
 
+#[cfg(feature = "proptest")]
 #[test]
 fn properties_hold() {
     let text = said(|out| properties::run(words(["20"]).into_iter(), out));

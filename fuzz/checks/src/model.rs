@@ -68,3 +68,23 @@ pub fn check(model: &Model) {
         assert!(camera.vfov_degrees > 0.0 && camera.vfov_degrees < 180.0, "{camera:?}");
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use enfilade::arbitrary::assemblies;
+    use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+    use super::*;
+
+    #[test]
+    fn what_degenerate_models_compile_to_can_be_asked_everything() {
+        let config =
+            Config { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+        let every = |assembly: enfilade::arbitrary::Assembly| {
+            let compiled = compile(&assembly.model(), &CompileOptions::default()).unwrap();
+            ask::everything(&mut compiled.scene(), Origin::Compiled);
+            Ok(())
+        };
+        TestRunner::new(config).run(&assemblies(), every).unwrap();
+    }
+}

@@ -229,12 +229,14 @@ impl<'a> Way<'a> {
         let edges = (1u32 << step.corners) - 1;
         let rounding = f64::from(self.rounding);
         let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
-        let mut is_in = beyond(inward, size, rounding - BLURRED) & edges == edges;
+        // In small models another cell may be as near as cells are blurred.
+        let out = BLURRED.min(self.tables.scene[0].tolerance);
+        let mut is_in = beyond(inward, size, rounding - out) & edges == edges;
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
             let [p, q] = self.tables.planes[plane as usize].slope;
             let (within, tilt) = (self.over(plane).0 * up, 1.0 + p.abs() + q.abs());
             beside += u32::from(!(within >= 2.0 * BLURRED * tilt));
-            is_in &= within >= -BLURRED * tilt;
+            is_in &= within >= -out * tilt;
         }
         Some(is_in && beside <= 1)
     }
