@@ -36,6 +36,9 @@ const FARTHEST: f64 = 1e13;
 /// In the place of the room of a cell that is not of air.
 const NO_AIR: u32 = NONE - 1;
 
+/// What stands for the room of outer air.
+const OUTER: u32 = NONE - 2;
+
 macro_rules! sections {
     (
         $(#[$about:meta])* $tables:ident, $(#[$in_place:meta])* $views:ident, required: $required:literal
@@ -354,7 +357,11 @@ impl Views {
         self.run_of = View::own(self.runs_by_triangle());
         // Beside each other: the records that they are of are large.
         self.semantics = View::own(self.elements.iter().map(|element| element.semantic as u8).collect());
-        let air = |cell: &CellRecord| if cell.kind == CellRecord::AIR { cell.room } else { NO_AIR };
+        let air = |cell: &CellRecord| match (cell.kind, cell.room) {
+            (CellRecord::AIR, NONE) if cell.semantic == Semantic::Exterior as u16 => OUTER,
+            (CellRecord::AIR, room) => room,
+            _ => NO_AIR,
+        };
         self.airs = View::own(self.cells.iter().map(air).collect());
         self.blocks = View::own(self.groups());
         let prisms = Prisms::new(self);
@@ -382,7 +389,14 @@ impl Views {
     /// The room of a cell of air, or [`NONE`]; `None` of others.
     #[inline(always)]
     pub(crate) fn room_of(&self, cell: u32) -> Option<u32> {
-        self.airs.get(cell as usize).copied().filter(|&room| room != NO_AIR)
+        let room = self.airs.get(cell as usize).copied().filter(|&room| room != NO_AIR);
+        room.map(|room| if room == OUTER { NONE } else { room })
+    }
+
+    /// Whether a cell is one of outer air.
+    #[inline(always)]
+    pub(crate) fn is_outer(&self, cell: u32) -> bool {
+        self.airs.get(cell as usize).is_some_and(|&room| room == OUTER)
     }
 
     /// A triangle.

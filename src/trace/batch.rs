@@ -287,8 +287,8 @@ impl Scene {
             Plan::One
         } else if !is_scattered(starts, rays) {
             Plan::Together
-        } else if batch.ask == Ask::Any {
-            // Most go through a cell or two and look at nothing there: putting them together takes longer.
+        } else if batch.ask == Ask::Any || self.start_outside(starts, rays) {
+            // Most go through a cell or two and look at nothing there, or out between other things: putting them together takes longer.
             Plan::One
         } else if is_large {
             Plan::Sorted
@@ -299,6 +299,19 @@ impl Scene {
             Plan::Apart
         };
         self.many_as(plan, batch, answers, told, alone);
+    }
+
+    /// Whether most rays start in outer air.
+    fn start_outside(&self, starts: Starts<'_>, rays: &[Ray]) -> bool {
+        // Of few where there are few rays: some have to be located.
+        let looks = (rays.len() / BLOCK).clamp(1, LOOKS);
+        let cell = |index: usize| match starts {
+            Starts::Cells(cells) => cells[index],
+            Starts::Cell(cell) => cell,
+            Starts::Anywhere | Starts::Hits(_) => self.free_cell(rays[index].origin).unwrap_or(0),
+        };
+        let outer = |cell: u32| cell == 0 || self.tables.is_outer(cell);
+        2 * (0..looks).filter(|look| outer(cell(look * rays.len() / looks))).count() > looks
     }
 
     /// The same as planned.
