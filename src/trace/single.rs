@@ -10,7 +10,7 @@ use super::free::local;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
-use super::path::Prisms;
+use super::path::{BLURRED, NEAR, Prisms};
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
@@ -668,11 +668,20 @@ impl Scene {
 
     /// The cell of air before a surface that was not met on a walk through cells, and its room.
     fn air_before(&self, point: DVec3, normal: DVec3) -> (u32, u32) {
+        /// Farther from a face than cells are blurred, as is what tells a cell soon.
+        const AHEAD: f64 = 3.0 * BLURRED;
         let prisms = Prisms::new(&self.tables);
         let is_air = |&cell: &u32| self.tables.is_air(cell);
         let air = |point: DVec3| prisms.place(prisms.local(point), self.tolerance()).filter(is_air);
         // On the side from which it was met: an open surface has air on both. No farther: in small models the next cell may be as near as cells are blurred.
-        let cell = air(point + normal * (0.5 * self.tolerance())).or_else(|| air(point)).unwrap_or(0);
+        let before = point + normal * (0.5 * self.tolerance());
+        // Mostly the one a little farther on, which is found sooner: it holds this place, too.
+        let ahead = (point + normal * AHEAD).to_array();
+        let holds = |&(cell, _): &(u32, bool)| {
+            prisms.nearly_holds(&prisms.cells[cell as usize], prisms.local(before), -NEAR)
+        };
+        let cell = self.kernel.free(&self.tables, ahead, NONE).filter(holds).map(|(cell, _)| cell);
+        let cell = cell.or_else(|| air(before)).or_else(|| air(point)).unwrap_or(0);
         (cell, self.tables.cells[cell as usize].room)
     }
 
