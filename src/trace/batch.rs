@@ -287,13 +287,16 @@ impl Scene {
             Plan::One
         } else if !is_scattered(starts, rays) {
             Plan::Together
-        } else if batch.ask == Ask::Any || self.start_outside(starts, rays) {
-            // Most go through a cell or two and look at nothing there, or out between other things: putting them together takes longer.
+        } else if batch.ask == Ask::Any {
+            // Most go through a cell or two and look at nothing there: putting them together takes longer.
             Plan::One
         } else if is_large {
             Plan::Sorted
         } else if batch.kernel == Kernel::PORTABLE {
             // It takes rays one by one anyway.
+            Plan::One
+        } else if self.start_outside(starts, rays) {
+            // Most go out between other things: so do these.
             Plan::One
         } else {
             Plan::Apart
@@ -305,13 +308,15 @@ impl Scene {
     fn start_outside(&self, starts: Starts<'_>, rays: &[Ray]) -> bool {
         // Of few where there are few rays: some have to be located.
         let looks = (rays.len() / BLOCK).clamp(1, LOOKS);
-        let cell = |index: usize| match starts {
-            Starts::Cells(cells) => cells[index],
-            Starts::Cell(cell) => cell,
-            Starts::Anywhere | Starts::Hits(_) => self.free_cell(rays[index].origin).unwrap_or(0),
+        let is_outside = |&index: &usize| {
+            let origin = rays[index].origin;
+            let told = match starts {
+                Starts::Cells(cells) => cells[index],
+                _ => self.free_cell(origin).unwrap_or(NONE),
+            };
+            self.tables.is_outer(told) || !self.tables.is_air(told) && !self.is_in_zone(origin)
         };
-        let outer = |cell: u32| cell == 0 || self.tables.is_outer(cell);
-        2 * (0..looks).filter(|look| outer(cell(look * rays.len() / looks))).count() > looks
+        2 * (0..looks).map(|look| look * rays.len() / looks).filter(is_outside).count() > looks
     }
 
     /// The same as planned.

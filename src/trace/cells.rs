@@ -113,7 +113,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
         let is_hinted = |margin: f64| hinted.is_some_and(|cell| prisms.nearly_holds(cell, point, margin));
         if self.query.surface.is_some() {
             // From the surface that it starts on, the ray does not come back to that. In small models another cell may be as near as cells are blurred.
-            let margin = BLURRED.min(self.surfaces.tolerance);
+            let margin = BLURRED.min(self.surfaces.tolerance.max(prisms.rounding()));
             return if is_hinted(margin) { Ok(hint) } else { self.find(point) };
         }
         let cell = if is_hinted(NEAR) { hint } else { self.find(point)? };

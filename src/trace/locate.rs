@@ -116,6 +116,12 @@ impl Scene {
         self.free_cell_near(point, NONE)
     }
 
+    /// Whether a point is in the box of the prisms.
+    #[inline(always)]
+    pub(super) fn is_in_zone(&self, point: [f64; 3]) -> bool {
+        self.tables.airgrid[0].holds(local(&self.tables, point))
+    }
+
     /// The cube of the grid over cells of air that holds a point, if it is in their zone.
     #[inline]
     pub(super) fn cube(&self, point: [f64; 3]) -> Option<usize> {
@@ -143,7 +149,7 @@ impl Scene {
     #[cold]
     #[inline(never)]
     fn free_cell_at_border(&self, point: [f64; 3]) -> Option<u32> {
-        if self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, point)) {
+        if self.is_one_cell() || !self.is_in_zone(point) {
             return None;
         }
         let (prisms, middle) = (Prisms::new(&self.tables), DVec3::from(point));

@@ -6,7 +6,6 @@ use super::alone::alone;
 use super::begin::{Begin, aside};
 use super::cells::{Ended, among_all, nearest};
 use super::cost::{Cost, Costs};
-use super::free::local;
 use super::kernel::{Ask, Kernel, Plain, Probe};
 use super::lanes::Portable;
 use super::onward::is_at_start;
@@ -202,7 +201,7 @@ impl Scene {
     #[inline(always)]
     fn starts_alone(&self, start: Start<'_>, line: &Line) -> bool {
         let from = || (line.origin + line.direction * line.tmin).to_array();
-        let is_outside = || self.is_one_cell() || !self.tables.airgrid[0].holds(local(&self.tables, from()));
+        let is_outside = || self.is_one_cell() || !self.is_in_zone(from());
         match start {
             Start::Cell(_) => is_outside(),
             Start::Anywhere => is_outside() && !self.may_start_in_solid(line),
@@ -336,16 +335,22 @@ impl Scene {
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
         let (tables, cell) = (&self.tables, self.start_cell(start, ray));
-        let found = match (start, cell) {
-            (Start::Hit(hit), Some(cell)) => {
-                let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
-                quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
-            }
-            (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
-            _ => Line::new(tables, ray)
-                .filter(|line| self.starts_alone(start, line))
-                .map(|line| alone::<Portable>(Ask::First, tables, &line, &mut cost)),
+        let by_all = |cost: &mut Cost| {
+            let line = Line::new(tables, ray).filter(|line| self.starts_alone(start, line))?;
+            Some(alone::<Portable>(Ask::First, tables, &line, cost))
         };
+        let is_told_outside = matches!(start, Start::Cell(told) if !tables.is_air(told));
+        let mut found = if is_told_outside { by_all(&mut cost) } else { None };
+        if found.is_none() {
+            found = match (start, cell) {
+                (Start::Hit(hit), Some(cell)) => {
+                    let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
+                    quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
+                }
+                (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
+                (_, None) => by_all(&mut cost),
+            };
+        }
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
         }

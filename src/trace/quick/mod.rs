@@ -230,7 +230,7 @@ impl<'a> Way<'a> {
         let rounding = f64::from(self.rounding);
         let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
         // In small models another cell may be as near as cells are blurred.
-        let out = BLURRED.min(self.tables.scene[0].tolerance);
+        let out = BLURRED.min(self.tables.scene[0].tolerance.max(2.0 * rounding));
         let mut is_in = beyond(inward, size, rounding - out) & edges == edges;
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
             let [p, q] = self.tables.planes[plane as usize].slope;

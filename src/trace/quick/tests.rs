@@ -245,10 +245,29 @@ fn rays_from_outside(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     rays
 }
 
+/// The same of a ray that is told to start in cell 0: on all kernels, whether anything is met, and when what it takes is counted.
+fn check_from_around(name: &str, scene: &Scene, ray: &Ray) {
+    let start = Start::Cell(0);
+    let careful = scene.careful(start, ray, Want::default());
+    let is_met = careful.triangle != NONE;
+    let bits = |hit: &Hit| bytemuck::bytes_of(hit).to_vec();
+    let hit = scene.trace_from(start, ray, Want::default());
+    assert_eq!(hit.triangle != NONE, is_met, "{name}: {ray:?} {hit:?} {careful:?}");
+    let is_same = !is_met || (hit.t - careful.t).abs() <= 1e-6 / GRAZING;
+    assert!(is_same, "{name}: {ray:?} {hit:?} {careful:?}");
+    for kernel in Kernel::available() {
+        let other = scene.trace_with(kernel, start, ray, Want::default());
+        assert!(bits(&hit) == bits(&other), "{name}: {ray:?} {hit:?} {other:?}");
+    }
+    let counted = scene.trace_cost_from(start, ray, Want::default()).0;
+    assert!(bits(&hit) == bits(&counted), "{name}: {ray:?} {hit:?} {counted:?}");
+    assert_eq!(scene.occluded_from(start, ray), is_met, "{name}: {ray:?} {careful:?}");
+}
+
 /// All kernels against the careful walk, of rays that start anywhere; how many were answered quickly.
 fn check_from_outside(name: &str, scene: &Scene) -> f64 {
     let rays = rays_from_outside(scene, 20_000, 8);
-    let (mut quick, mut hits, mut others, mut placed) = (0, 0, 0, 0);
+    let (mut quick, mut hits, mut others, mut placed, mut told) = (0, 0, 0, 0, 0);
     for ray in &rays {
         let careful = scene.careful(Start::Anywhere, ray, Want::default());
         let is_met = careful.triangle != NONE;
@@ -275,10 +294,15 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
             );
         }
         assert_eq!(scene.occluded(ray), is_met || careful.t.is_nan(), "{name}: {ray:?} {careful:?}");
+        if !careful.t.is_nan() {
+            told += u32::from(scene.alone(scene.kernel, Ask::First, Start::Cell(0), ray).is_some());
+            check_from_around(name, scene, ray);
+        }
         hits += u32::from(is_met);
         quick += u32::from(scene.alone(scene.kernel, Ask::First, Start::Anywhere, ray).is_some());
     }
     assert!(hits > 5_000 && others * 200 < hits, "{name}: {hits} hits, {others} otherwise");
+    assert!(told >= quick, "{name}: {told} rays told to start in cell 0, {quick} that are not");
     assert!(placed > hits / 2 || scene.cells().len() == 1, "{name}: {placed} of {hits} hits in cells");
     f64::from(quick) / rays.len() as f64
 }
