@@ -339,18 +339,17 @@ impl Scene {
             let line = Line::new(tables, ray).filter(|line| self.starts_alone(start, line))?;
             Some(alone::<Portable>(Ask::First, tables, &line, cost))
         };
-        let is_told_outside = matches!(start, Start::Cell(told) if !tables.is_air(told));
-        let mut found = if is_told_outside { by_all(&mut cost) } else { None };
-        if found.is_none() {
-            found = match (start, cell) {
-                (Start::Hit(hit), Some(cell)) => {
-                    let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
-                    quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
-                }
-                (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
-                (_, None) => by_all(&mut cost),
-            };
-        }
+        let found = match (start, cell) {
+            (Start::Hit(hit), Some(cell)) => {
+                let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
+                quick_from::<Portable, _>(tables, ray, cell, &surface, &mut cost)
+            }
+            (Start::Cell(told), Some(cell)) if !tables.is_air(told) => {
+                by_all(&mut cost).or_else(|| quick::<Portable, _>(tables, ray, cell, &mut cost))
+            }
+            (_, Some(cell)) => quick::<Portable, _>(tables, ray, cell, &mut cost),
+            (_, None) => by_all(&mut cost),
+        };
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
         }
