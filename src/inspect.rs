@@ -8,6 +8,7 @@ use enfilade_importers::{Element, Frame, Model, Role, Untagged, UpAxis};
 use serde::Serialize;
 
 use crate::components::{Component, Orientation, components};
+use crate::parallel;
 use crate::partition::PartitionReport;
 use crate::roles::{asked_role, component_role};
 
@@ -188,17 +189,13 @@ fn extent(model: &Model, frame: Frame) -> [[f64; 3]; 2] {
 }
 
 fn describe_all(model: &Model, untagged: Untagged, rules: Option<&Rules>) -> Vec<ElementInfo> {
-    let one = |(index, element): (usize, &Element)| ElementInfo {
-        tagged_by: tagging::describe(element, rules),
-        ..describe(index as u32, element, model.frame, untagged)
-    };
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        model.elements.par_iter().enumerate().map(one).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    model.elements.iter().enumerate().map(one).collect()
+    parallel::map(model.elements.len(), |index| {
+        let element = &model.elements[index];
+        ElementInfo {
+            tagged_by: tagging::describe(element, rules),
+            ..describe(index as u32, element, model.frame, untagged)
+        }
+    })
 }
 
 fn describe(index: u32, element: &Element, frame: Frame, untagged: Untagged) -> ElementInfo {

@@ -92,6 +92,8 @@ pub mod plan;
 pub mod render;
 #[cfg(feature = "compile")]
 pub mod roles;
+#[cfg(all(test, feature = "compile"))]
+mod samples;
 pub mod scene;
 #[cfg(feature = "compile")]
 pub mod sew;

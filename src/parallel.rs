@@ -1,16 +1,36 @@
 //! The same loop with or without the `rayon` feature.
 
+use std::sync::{Mutex, PoisonError};
+
+/// In so many parts at most is work divided: enough that no thread waits long for another.
+const PARTS: usize = 1 << 10;
+
 /// `f(0)`, `f(1)`, ... `f(count - 1)`, in that order, made on all cores of the current pool.
-#[cfg(feature = "rayon")]
-pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    use rayon::prelude::*;
-    (0..count).into_par_iter().map(f).collect()
+///
+/// What hands out the parts knows nothing of `f` or `T`: compiled once, and not again for each of dozens that call this.
+pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let size = count.div_ceil(PARTS).max(1);
+    let parts: Vec<Mutex<Vec<T>>> = (0..count.div_ceil(size)).map(|_| Mutex::default()).collect();
+    each(parts.len(), &|part| {
+        let made = (part * size..count.min((part + 1) * size)).map(&f).collect();
+        *parts[part].lock().unwrap_or_else(PoisonError::into_inner) = made;
+    });
+    let mut all = Vec::with_capacity(count);
+    for part in parts {
+        all.append(&mut part.into_inner().unwrap_or_else(PoisonError::into_inner));
+    }
+    all
 }
 
-/// `f(0)`, `f(1)`, ... `f(count - 1)`.
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    (0..count).map(f).collect()
+/// Calls `job` with each number below `count`, on all cores of the current pool.
+fn each(count: usize, job: &(dyn Fn(usize) + Sync)) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().with_max_len(1).for_each(job);
+    }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).for_each(job);
 }
 
 /// Calls `f` with the number and the items of each part of `size` items, the last one perhaps shorter; an error, if there is any.

@@ -11,34 +11,20 @@ use super::shade::Looks;
 use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
 use crate::format::records::Facing;
-use crate::generate::{
-    Building, HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random,
-    round_room, tower,
-};
+use crate::generate::{HouseOptions, RoundRoomOptions, Style, house, round_room};
 use crate::importers::Semantic;
 use crate::render::{Camera, room_views};
+use crate::samples::Sample;
 use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Starts, Want};
 use crate::{CompileOptions, Scene, compile};
 
 /// Even, so that no ray goes straight ahead, along planes that the eye is in the middle between.
 pub(crate) const SIZE: [u32; 2] = [204, 132];
 
-pub(crate) fn scene(building: &Building) -> Scene {
-    let model = building.export(&Style::default()).to_model().unwrap();
-    compile(&model, &CompileOptions::default()).unwrap().scene()
-}
-
-pub(crate) fn scenes() -> Vec<(String, Scene)> {
-    let mut scenes = vec![
-        ("house".to_owned(), scene(&house(&HouseOptions::default()))),
-        ("build1".to_owned(), scene(&build1(&OfficeOptions::default()))),
-        ("round room".to_owned(), scene(&round_room(&RoundRoomOptions::default()))),
-        ("tower".to_owned(), scene(&tower(&TowerOptions { storeys: 3, ..TowerOptions::default() }))),
-    ];
-    scenes.extend((0..6).map(|seed| {
-        (format!("random {seed}"), scene(&random(&OfficeOptions { seed, ..OfficeOptions::default() })))
-    }));
-    scenes
+pub(crate) fn scenes() -> Vec<(String, &'static Scene)> {
+    let (some, randoms) =
+        ([Sample::House, Sample::Build1, Sample::RoundRoom, Sample::Tower(3)], (0..6).map(Sample::Random));
+    some.into_iter().chain(randoms).map(|sample| (format!("{sample:?}"), sample.scene())).collect()
 }
 
 /// Level views, and from the same eyes up, down and askew.
@@ -101,7 +87,7 @@ pub(crate) fn total(views: &[Camera], mut of: impl FnMut(&Camera) -> Differences
 #[test]
 fn pixels_show_what_rays_meet() {
     for (name, scene) in scenes() {
-        let sum = sum(&mut Beams::new(&scene), &views(&scene, 12));
+        let sum = sum(&mut Beams::new(scene), &views(scene, 12));
         assert!(sum.pixels > 0, "{name}");
         assert_eq!(sum.unwritten, 0, "{name}");
         assert!(sum.unsure * 1000 <= sum.pixels, "{name}: {} unsure of {}", sum.unsure, sum.pixels);
@@ -140,8 +126,8 @@ fn colours_are_those_of_what_pixels_show() {
     };
     for (name, scene) in scenes().into_iter().take(7) {
         let (mut others, mut pixels) = (0, 0);
-        for camera in views(&scene, 8).iter().chain(&outside_views(&scene)) {
-            let (other, count) = pixels_of(&scene, camera);
+        for camera in views(scene, 8).iter().chain(&outside_views(scene)) {
+            let (other, count) = pixels_of(scene, camera);
             (others, pixels) = (others + other, pixels + count);
         }
         assert_eq!(others, 0, "{name}: of {pixels}");
@@ -150,23 +136,23 @@ fn colours_are_those_of_what_pixels_show() {
 
 #[test]
 fn differences_are_seen() {
-    let scene = scene(&house(&HouseOptions::default()));
+    let scene = Sample::House.scene();
     let [width, height] = SIZE;
-    let camera = views(&scene, 1)[1];
-    let mut beams = Beams::new(&scene);
+    let camera = views(scene, 1)[1];
+    let mut beams = Beams::new(scene);
     // What the beams of another view show is not what rays of this one meet.
     let mut pixels = vec![0; (width * height) as usize];
-    beams.surfaces(&views(&scene, 2)[3], width, &mut pixels);
-    let differences = super::check::compare(&scene, &camera, width, &pixels);
+    beams.surfaces(&views(scene, 2)[3], width, &mut pixels);
+    let differences = super::check::compare(scene, &camera, width, &pixels);
     assert!(differences.wrong.len() > 1000, "{}", differences.wrong.len());
 }
 
 #[test]
 fn eyes_in_planes_and_on_corners() {
     for (name, scene) in scenes().into_iter().take(6) {
-        let views = touching_views(&scene);
+        let views = touching_views(scene);
         assert!(views.len() > 5, "{name}: {} eyes", views.len());
-        let sum = sum(&mut Beams::new(&scene), &views);
+        let sum = sum(&mut Beams::new(scene), &views);
         assert_eq!(sum.unwritten, 0, "{name}");
         // Eyes on walls are left to rays, and not those between rooms.
         assert!(sum.unsure < sum.pixels, "{name}: {} of {}", sum.unsure, sum.pixels);
@@ -209,12 +195,12 @@ fn what_rays_are_to_tell() {
 fn kernels_agree() {
     let [width, height] = SIZE;
     for (name, scene) in scenes().into_iter().take(5) {
-        for camera in views(&scene, 6) {
+        for camera in views(scene, 6) {
             let shown: Vec<Vec<u32>> = Kernel::available()
                 .into_iter()
                 .map(|kernel| {
                     let mut pixels = vec![0; (width * height) as usize];
-                    Beams::new(&scene).with_kernel(kernel).surfaces(&camera, width, &mut pixels);
+                    Beams::new(scene).with_kernel(kernel).surfaces(&camera, width, &mut pixels);
                     pixels
                 })
                 .collect();
@@ -251,7 +237,7 @@ fn each_pixel_is_painted_once() {
     let [width, height] = SIZE;
     for (name, scene) in scenes() {
         let prisms = Prisms::new(&scene.tables);
-        for camera in views(&scene, 10) {
+        for camera in views(scene, 10) {
             let screen = Screen::new(&camera.pinhole(width, height), &prisms, DVec3::ONE);
             let Place::Air { cell, .. } = scene.locate(camera.eye()) else { continue };
             let mut count = Count { width: width as usize, counts: vec![0; (width * height) as usize] };
@@ -278,16 +264,16 @@ fn each_pixel_is_painted_once() {
 #[cfg(feature = "rayon")]
 #[test]
 fn threads_do_not_matter() {
-    let scene = scene(&house(&HouseOptions::default()));
-    let mut cameras = views(&scene, 6);
-    cameras.push(crate::render::outside_view(&scene));
+    let scene = Sample::House.scene();
+    let mut cameras = views(scene, 6);
+    cameras.push(crate::render::outside_view(scene));
     for camera in cameras {
         let [width, height] = [200, 611];
         let pictures = [1, 2, 3, 16].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let (mut surfaces, mut pixels) =
                 (vec![0; (width * height) as usize], vec![0; (width * height) as usize]);
-            let mut beams = Beams::new(&scene);
+            let mut beams = Beams::new(scene);
             pool.install(|| {
                 beams.surfaces(&camera, width, &mut surfaces);
                 beams.paint(&camera, width, &mut pixels);
@@ -301,27 +287,27 @@ fn threads_do_not_matter() {
 #[test]
 fn bands_do_not_matter() {
     let [width, _] = SIZE;
-    let scene = scene(&build1(&OfficeOptions::default()));
-    let mut beams = Beams::new(&scene);
-    for camera in views(&scene, 4) {
+    let scene = Sample::Build1.scene();
+    let mut beams = Beams::new(scene);
+    for camera in views(scene, 4) {
         // More rows than a band has, so that the second band begins within.
         let height = super::TOLD as u32 + 77;
         let mut pixels = vec![0; (width * height) as usize];
         beams.surfaces(&camera, width, &mut pixels);
-        let differences = super::check::compare(&scene, &camera, width, &pixels);
+        let differences = super::check::compare(scene, &camera, width, &pixels);
         assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
     }
 }
 
 #[test]
 fn from_outside_and_from_within_a_solid() {
-    let scene = scene(&house(&HouseOptions::default()));
+    let scene = Sample::House.scene();
     let [lo, hi] = scene.hull();
     let middle = [0, 1, 2].map(|i| (lo[i] + hi[i]) / 2.0);
     let eye = [lo[0] - 9.0, lo[1] - 7.0, hi[2] + 3.0];
     let outside = Camera::look_at(eye, middle, [0.0, 0.0, 1.0], 60.0).unwrap();
     let [width, height] = SIZE;
-    let differences = Beams::new(&scene).differences(&outside, width, height);
+    let differences = Beams::new(scene).differences(&outside, width, height);
     assert_eq!((differences.unwritten, differences.unsure), (0, 0));
     assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
     let mut pixels = vec![0; (width * height) as usize];
@@ -338,7 +324,7 @@ fn from_outside_and_from_within_a_solid() {
     assert_eq!(eyes.len(), 2, "the middle of the first wall is in it");
     for eye in eyes {
         let camera = Camera::looking(eye.to_array(), [1.0, 0.2, 0.1], [0.0, 0.0, 1.0], 60.0).unwrap();
-        Beams::new(&scene).paint(&camera, width, &mut pixels);
+        Beams::new(scene).paint(&camera, width, &mut pixels);
         assert!(pixels.iter().all(|&pixel| pixel >> 24 == 0xff));
     }
 }
@@ -397,8 +383,8 @@ proptest! {
 fn hits_are_those_of_rays() {
     let [width, height] = SIZE;
     for (name, scene) in scenes().into_iter().take(6) {
-        let mut beams = Beams::new(&scene);
-        for camera in views(&scene, 4) {
+        let mut beams = Beams::new(scene);
+        for camera in views(scene, 4) {
             let pinhole = camera.pinhole(width, height);
             let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
             let rays: Vec<Ray> = pixels.map(|(x, y)| pinhole.ray(x, y)).collect();
@@ -479,9 +465,9 @@ pub(crate) fn outside_views(scene: &Scene) -> Vec<Camera> {
 #[test]
 fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
     for (name, scene) in scenes() {
-        let views = outside_views(&scene);
+        let views = outside_views(scene);
         for kernel in Kernel::available() {
-            let mut beams = Beams::new(&scene).with_kernel(kernel);
+            let mut beams = Beams::new(scene).with_kernel(kernel);
             beams.kept.is_cut_up = true;
             for camera in views.iter().take(2) {
                 let (mut hits, mut expected) = (vec![Hit::ESCAPED; 1200], vec![Hit::ESCAPED; 1200]);
@@ -506,12 +492,12 @@ fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
 #[test]
 fn many_pictures_from_outside_are_as_the_first() {
     for (name, scene) in scenes() {
-        let views = outside_views(&scene);
+        let views = outside_views(scene);
         for (kernel, is_cut_up) in
             Kernel::available().into_iter().flat_map(|kernel| [(kernel, true), (kernel, false)])
         {
             let new = || {
-                let mut beams = Beams::new(&scene).with_kernel(kernel);
+                let mut beams = Beams::new(scene).with_kernel(kernel);
                 beams.kept.is_cut_up = is_cut_up;
                 beams
             };
@@ -522,7 +508,7 @@ fn many_pictures_from_outside_are_as_the_first() {
             };
             let mut beams = new();
             let mut pixels = vec![0u32; (SIZE[0] * SIZE[1]) as usize];
-            for camera in views.iter().cycle().take(super::Many::few(&scene) as usize) {
+            for camera in views.iter().cycle().take(super::Many::few(scene) as usize) {
                 beams.paint(camera, SIZE[0], &mut pixels);
             }
             assert!(beams.many.facets.is_none(), "{name}");
@@ -544,7 +530,7 @@ fn many_pictures_from_outside_are_as_the_first() {
 
 #[test]
 fn within_closed_furniture_its_inside_is_seen() {
-    seen_from_within_furniture(&scene(&house(&HouseOptions::default())));
+    seen_from_within_furniture(Sample::House.scene());
 }
 
 /// Of some furniture triangles are turned: those are of closed surfaces all the same, some with their front outward, some with their back.

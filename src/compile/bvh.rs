@@ -493,6 +493,7 @@ fn halves(boxes: &[Aabb]) -> Bvh2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::samples::Sample;
 
     #[test]
     fn triangles_laid_out_to_nest_stay_shallow() {
@@ -609,12 +610,7 @@ mod tests {
 
     #[test]
     fn all_triangles_are_under_the_root_of_a_scenes_first_cell() {
-        let models = [
-            crate::generate::house(&Default::default()).to_model().unwrap(),
-            crate::generate::build1(&Default::default()).to_model().unwrap(),
-        ];
-        for model in models {
-            let scene = crate::compile(&model, &crate::CompileOptions::default()).unwrap().scene();
+        for scene in [Sample::House.scene(), Sample::Build1.scene()] {
             let tables = &scene.tables;
             let center = DVec3::from(tables.scene[0].center);
             let corners = |t: u32| scene.triangle(t).map(|p| (DVec3::from(p) - center).as_vec3().to_array());

@@ -12,6 +12,7 @@ use super::cell_grid::CellGrid;
 use crate::clip::keep_below;
 use crate::format::Tables;
 use crate::format::records::{CellRecord, PlaneRecord};
+use crate::parallel;
 use crate::trace::to_lattice;
 
 /// Triangles that one task takes at a time.
@@ -43,13 +44,8 @@ pub(super) fn pairs(
         }
         pairs
     };
-    #[cfg(feature = "rayon")]
-    let lists: Vec<Vec<(u32, u32)>> = {
-        use rayon::prelude::*;
-        detail.par_chunks(CHUNK.max(tables.cells.len() / 16)).map(job).collect()
-    };
-    #[cfg(not(feature = "rayon"))]
-    let lists: Vec<Vec<(u32, u32)>> = detail.chunks(CHUNK.max(tables.cells.len() / 16)).map(job).collect();
+    let chunks: Vec<&[u32]> = detail.chunks(CHUNK.max(tables.cells.len() / 16)).collect();
+    let lists = parallel::map(chunks.len(), |chunk| job(chunks[chunk]));
     if count.load(Ordering::Relaxed) > most {
         return None;
     }

@@ -9,6 +9,7 @@ use super::outward::{Outward, turn_outward};
 use crate::components::{Component, components, rotated};
 use crate::format::Tables;
 use crate::format::records::{Facing, TriangleRecord, VolumeRecord};
+use crate::parallel;
 use crate::roles::{asked_role, component_role};
 use crate::shells::{Inside, Shell, shells};
 use crate::trace::NONE;
@@ -71,13 +72,7 @@ impl Gathered {
 
 /// The components and roles of every element.
 pub(super) fn split(model: &Model, untagged: Untagged) -> Vec<Part> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        model.elements.par_iter().map(|element| part(element, untagged)).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    model.elements.iter().map(|element| part(element, untagged)).collect()
+    parallel::map(model.elements.len(), |index| part(&model.elements[index], untagged))
 }
 
 fn part(element: &Element, untagged: Untagged) -> Part {

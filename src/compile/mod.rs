@@ -37,6 +37,7 @@ use crate::format::records::{
     VolumeRecord,
 };
 use crate::format::{MapTables, Tables};
+use crate::parallel;
 use crate::partition::cells::Partition;
 use crate::partition::{Convexification, PartitionError, PartitionOptions, partition};
 use crate::scene::Scene;
@@ -413,21 +414,14 @@ fn add_detail(
             (Owner::Source(index), tables.surfaces[first..first + source.count as usize].to_vec())
         });
         let jobs: Vec<(Owner, Vec<u32>)> = cells.chain(sources).collect();
-        let build = |(owner, ids): (Owner, Vec<u32>)| {
+        let built = parallel::map(jobs.len(), |job| {
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
-            let corners: Vec<[[f64; 3]; 3]> = ids.iter().map(|&t| corners(t)).collect();
+            let corners: Vec<[[f64; 3]; 3]> = jobs[job].1.iter().map(|&t| corners(t)).collect();
             let hierarchy = bvh::build(&corners, center, slack, splits);
             let part = hierarchy.part(&corners, center, slack);
-            (owner, hierarchy, part, ids)
-        };
-        #[cfg(feature = "rayon")]
-        let built: Vec<_> = {
-            use rayon::prelude::*;
-            jobs.into_par_iter().map(build).collect()
-        };
-        #[cfg(not(feature = "rayon"))]
-        let built: Vec<_> = jobs.into_iter().map(build).collect();
-        let mut depth = built.iter().map(|(_, hierarchy, ..)| hierarchy.depth).max().unwrap_or(0);
+            (hierarchy, part)
+        });
+        let mut depth = built.iter().map(|(hierarchy, _)| hierarchy.depth).max().unwrap_or(0);
         // What cell 0 has beside detail around the prisms: all there is, for rays from outside, and those that pass edges too near for cells. It is
         // built over the hierarchies of rooms, which are apart from each other, and what is in none of them: those of the air around a building
         // reach all around it. Its nodes come before theirs.
@@ -435,13 +429,12 @@ fn add_detail(
             Owner::Cell(cell) => tables.cells[cell as usize].semantic != Semantic::Exterior as u16,
             Owner::Source(_) => false,
         };
-        let apart: Vec<bool> = built.iter().map(|(owner, ..)| is_apart(owner)).collect();
+        let apart: Vec<bool> = jobs.iter().map(|(owner, _)| is_apart(owner)).collect();
         let over = zone.map(|_| {
-            let below =
-                || built.iter().zip(&apart).filter(|(_, is_apart)| **is_apart).map(|(built, _)| built);
+            let below = || (0..jobs.len()).filter(|&job| apart[job]);
             let mut is_below = vec![false; gathered.detail_triangles as usize];
-            below().flat_map(|(.., ids)| ids).for_each(|&triangle| is_below[triangle as usize] = true);
-            let parts: Vec<bvh::Part> = below().filter_map(|(_, _, part, _)| *part).collect();
+            below().flat_map(|job| &jobs[job].1).for_each(|&triangle| is_below[triangle as usize] = true);
+            let parts: Vec<bvh::Part> = below().filter_map(|job| built[job].1).collect();
             let corners = |t: u32| tables.triangles[t as usize].map(|v| tables.vertices[v as usize]);
             let rest: Vec<u32> = (0..gathered.detail_triangles).filter(|&t| !is_below[t as usize]).collect();
             let own: Vec<[[f64; 3]; 3]> = rest.iter().map(|&t| corners(t)).collect();
@@ -459,7 +452,7 @@ fn add_detail(
             tables.cells[0].root = hierarchy.append(&rest, tables);
         }
         let mut roots = Vec::new();
-        for ((owner, hierarchy, part, ids), is_apart) in built.into_iter().zip(apart) {
+        for (((owner, ids), (hierarchy, part)), is_apart) in jobs.into_iter().zip(built).zip(apart) {
             let root = hierarchy.append(&ids, tables);
             roots.extend(part.filter(|_| is_apart).map(|_| root));
             match owner {

@@ -7,10 +7,10 @@ use super::waiting::Waiting;
 use super::{PacketCounts, Packets};
 use crate::Scene;
 use crate::beam::check::{UNWRITTEN, compare};
-use crate::beam::tests::{SIZE, scene, scenes, total, touching_views, views};
+use crate::beam::tests::{SIZE, scenes, total, touching_views, views};
 use crate::beam::{Beams, Differences};
-use crate::generate::{HouseOptions, OfficeOptions, build1, house};
 use crate::render::Camera;
+use crate::samples::Sample;
 use crate::trace::Kernel;
 
 fn sum(packets: &mut Packets<&Scene>, views: &[Camera]) -> Differences {
@@ -21,7 +21,7 @@ fn sum(packets: &mut Packets<&Scene>, views: &[Camera]) -> Differences {
 #[test]
 fn pixels_show_what_rays_meet() {
     for (name, scene) in scenes() {
-        let sum = sum(&mut Packets::new(&scene), &views(&scene, 12));
+        let sum = sum(&mut Packets::new(scene), &views(scene, 12));
         assert!(sum.pixels > 0, "{name}");
         assert_eq!(sum.unwritten, 0, "{name}");
         assert!(sum.unsure * 1000 <= sum.pixels, "{name}: {} unsure of {}", sum.unsure, sum.pixels);
@@ -34,8 +34,8 @@ fn pixels_show_what_rays_meet() {
 fn eyes_in_planes_and_on_corners() {
     let [width, height] = SIZE;
     for (name, scene) in scenes().into_iter().take(6) {
-        let mut packets = Packets::new(&scene);
-        let sum = total(&touching_views(&scene), |camera| packets.differences(camera, width, height));
+        let mut packets = Packets::new(scene);
+        let sum = total(&touching_views(scene), |camera| packets.differences(camera, width, height));
         assert_eq!(sum.unwritten, 0, "{name}");
         assert!(sum.unsure < sum.pixels, "{name}: {} of {}", sum.unsure, sum.pixels);
         assert!(sum.wrong.is_empty(), "{name}: {} {:?}", sum.wrong.len(), sum.wrong[0]);
@@ -46,12 +46,12 @@ fn eyes_in_planes_and_on_corners() {
 fn kernels_agree() {
     let [width, height] = SIZE;
     for (name, scene) in scenes().into_iter().take(5) {
-        for camera in views(&scene, 6) {
+        for camera in views(scene, 6) {
             let shown: Vec<Vec<u32>> = Kernel::available()
                 .into_iter()
                 .map(|kernel| {
                     let mut pixels = vec![0; (width * height) as usize];
-                    Packets::new(&scene).with_kernel(kernel).surfaces(&camera, width, &mut pixels);
+                    Packets::new(scene).with_kernel(kernel).surfaces(&camera, width, &mut pixels);
                     pixels
                 })
                 .collect();
@@ -65,9 +65,9 @@ fn kernels_agree() {
 fn colours_are_those_of_beams() {
     let [width, height] = SIZE;
     for (name, scene) in scenes() {
-        let (mut packets, mut beams) = (Packets::new(&scene), Beams::new(&scene));
+        let (mut packets, mut beams) = (Packets::new(scene), Beams::new(scene));
         let (mut pixels, mut others) = (0, 0);
-        for camera in views(&scene, 6) {
+        for camera in views(scene, 6) {
             let [mut ours, mut theirs] = [0; 2].map(|pixel| vec![pixel; (width * height) as usize]);
             packets.paint(&camera, width, &mut ours);
             beams.paint(&camera, width, &mut theirs);
@@ -81,8 +81,8 @@ fn colours_are_those_of_beams() {
 #[test]
 fn each_pixel_is_written_once() {
     for (name, scene) in scenes() {
-        let mut packets = Packets::new(&scene);
-        for (index, camera) in views(&scene, 10).iter().enumerate() {
+        let mut packets = Packets::new(scene);
+        for (index, camera) in views(scene, 10).iter().enumerate() {
             // Of pictures narrower than a register, and not of whole ones.
             let [width, height] = [SIZE, [1, 1], [15, 3], [16, 129], [131, 300]][index % 5];
             let mut sizes = vec![UNWRITTEN; (width * height) as usize];
@@ -97,10 +97,10 @@ fn each_pixel_is_written_once() {
 #[test]
 fn sizes_are_those_of_packets() {
     let [width, height] = SIZE;
-    let scene = scene(&build1(&OfficeOptions::default()));
-    let mut packets = Packets::new(&scene);
+    let scene = Sample::Build1.scene();
+    let mut packets = Packets::new(scene);
     let (mut sizes, mut sum) = (vec![0; (width * height) as usize], PacketCounts::default());
-    for camera in views(&scene, 6) {
+    for camera in views(scene, 6) {
         let counts = packets.sizes(&camera, width, &mut sizes);
         let apart = sizes.iter().filter(|&&size| size == 1).count() as u64;
         assert_eq!(apart, counts.apart);
@@ -115,12 +115,12 @@ fn sizes_are_those_of_packets() {
 fn bands_and_threads_do_not_matter() {
     let [width, _] = SIZE;
     let height = 2 * LARGEST as u32 + 77;
-    let scene = scene(&build1(&OfficeOptions::default()));
-    let mut packets = Packets::new(&scene);
-    for camera in views(&scene, 4) {
+    let scene = Sample::Build1.scene();
+    let mut packets = Packets::new(scene);
+    for camera in views(scene, 4) {
         let mut pixels = vec![UNWRITTEN; (width * height) as usize];
         packets.surfaces(&camera, width, &mut pixels);
-        let differences = compare(&scene, &camera, width, &pixels);
+        let differences = compare(scene, &camera, width, &pixels);
         assert_eq!(differences.unwritten, 0);
         assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
         #[cfg(feature = "rayon")]
@@ -135,28 +135,28 @@ fn bands_and_threads_do_not_matter() {
 
 #[test]
 fn from_outside_and_from_within_a_solid() {
-    let scene = scene(&house(&HouseOptions::default()));
+    let scene = Sample::House.scene();
     let [lo, hi] = scene.hull();
     let middle = [0, 1, 2].map(|i| (lo[i] + hi[i]) / 2.0);
     let eye = [lo[0] - 9.0, lo[1] - 7.0, hi[2] + 3.0];
     let outside = Camera::look_at(eye, middle, [0.0, 0.0, 1.0], 60.0).unwrap();
     let [width, height] = SIZE;
-    let differences = Packets::new(&scene).differences(&outside, width, height);
+    let differences = Packets::new(scene).differences(&outside, width, height);
     assert_eq!(differences.unwritten, 0);
     assert!(differences.wrong.is_empty(), "{:?}", differences.wrong[0]);
     let mut pixels = vec![0; (width * height) as usize];
     let wall = scene.triangle(0).map(glam::DVec3::from);
     let within = (wall[0] + wall[1] + wall[2]) / 3.0;
     let camera = Camera::looking(within.to_array(), [1.0, 0.2, 0.1], [0.0, 0.0, 1.0], 60.0).unwrap();
-    Packets::new(&scene).paint(&camera, width, &mut pixels);
+    Packets::new(scene).paint(&camera, width, &mut pixels);
     assert!(pixels.iter().all(|&pixel| pixel >> 24 == 0xff));
 }
 
 #[test]
 fn pictures_without_pixels() {
-    let scene = scene(&house(&HouseOptions::default()));
-    let camera = views(&scene, 1)[0];
-    let mut packets = Packets::new(&scene);
+    let scene = Sample::House.scene();
+    let camera = views(scene, 1)[0];
+    let mut packets = Packets::new(scene);
     assert_eq!(packets.paint(&camera, 0, &mut []), PacketCounts::default());
     assert_eq!(packets.paint(&camera, 7, &mut [0; 6]), PacketCounts::default());
 }

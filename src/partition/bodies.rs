@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use enfilade_importers::{Element, ElementId, Mesh, Model, Role, Untagged};
+use enfilade_importers::{ElementId, Mesh, Model, Role, Untagged};
 
 use super::direction::direction;
 use super::matter::MatterTriangle;
@@ -14,6 +14,7 @@ use super::mend::{Mended, mend};
 use crate::compile::outward::{Outward, turn_outward};
 use crate::components::{Component, components};
 use crate::lattice::{Lattice, Point};
+use crate::parallel;
 use crate::roles::{asked_role, component_role};
 use crate::shells::{Inside, Shell, shells};
 
@@ -184,8 +185,8 @@ struct Sorted<'m> {
 }
 
 fn sort_components<'m>(model: &'m Model, untagged: Untagged) -> Vec<Sorted<'m>> {
-    let sort = |(index, element): (usize, &'m Element)| {
-        let id = ElementId(index as u32);
+    parallel::map(model.elements.len(), |index| {
+        let (id, element) = (ElementId(index as u32), &model.elements[index]);
         let asked = asked_role(element, untagged);
         let mut sorted = Sorted::default();
         let open = sort_mesh(&mut sorted, Pieces::whole(id, &element.mesh), asked);
@@ -196,14 +197,7 @@ fn sort_components<'m>(model: &'m Model, untagged: Untagged) -> Vec<Sorted<'m>> 
             sort_mesh(&mut sorted, pieces, asked);
         }
         sorted
-    };
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        model.elements.par_iter().enumerate().map(sort).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    model.elements.iter().enumerate().map(sort).collect()
+    })
 }
 
 /// A mesh whose components are to be sorted.

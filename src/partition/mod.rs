@@ -39,6 +39,7 @@ pub(crate) mod testing;
 mod unkink;
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use enfilade_importers::{Cancelled, ElementId, Limits, Model, Untagged, Watch};
@@ -56,6 +57,8 @@ use moved::Moved;
 use plan::Plan;
 use stacks::Joined;
 use surfaces::SurfaceOptions;
+
+use crate::parallel;
 
 pub use bodies::NotCarved;
 pub(crate) use check::{check_frame, check_triangles};
@@ -258,16 +261,14 @@ fn hull(bodies: &Bodies) -> [[i32; 3]; 2] {
 /// On all cores, in order; the first error wins.
 fn each<T: Send, U: Send, E: Send>(
     items: Vec<T>,
-    work: impl Fn(T) -> Result<U, E> + Sync + Send,
+    work: impl Fn(T) -> Result<U, E> + Sync,
 ) -> Result<Vec<U>, E> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        let all: Vec<Result<U, E>> = items.into_par_iter().with_max_len(1).map(work).collect();
-        all.into_iter().collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    items.into_iter().map(work).collect()
+    let items: Vec<Mutex<Option<T>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
+    let all = parallel::map(items.len(), |i| {
+        let item = items[i].lock().unwrap_or_else(PoisonError::into_inner).take();
+        item.map(&work)
+    });
+    all.into_iter().flatten().collect()
 }
 
 /// A slab before labels are known.

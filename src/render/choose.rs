@@ -47,17 +47,15 @@ impl PictureWay {
 #[cfg(all(test, feature = "compile"))]
 mod tests {
     use super::*;
-    use crate::generate::{HouseOptions, Style, house};
     use crate::render::{outside_view, room_views};
-    use crate::{CompileOptions, compile};
+    use crate::samples::Sample;
 
     #[test]
     fn small_pictures_and_eyes_in_solids_take_rays() {
-        let model = house(&HouseOptions::default()).export(&Style::default()).to_model().unwrap();
-        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
-        let inside = room_views(&scene, 1)[0];
+        let scene = Sample::House.scene();
+        let inside = room_views(scene, 1)[0];
         let of =
-            |camera: &Camera, size: u32, is_kept: bool| PictureWay::of(&scene, camera, (size, size), is_kept);
+            |camera: &Camera, size: u32, is_kept: bool| PictureWay::of(scene, camera, (size, size), is_kept);
         assert_eq!(of(&inside, 15, true), PictureWay::Rays);
         assert_eq!(of(&inside, 16, true), PictureWay::Beams);
         // All triangles are looked at once.
@@ -66,7 +64,7 @@ mod tests {
         assert_eq!(of(&inside, few - 1, false), PictureWay::Rays);
         assert_eq!(of(&inside, few - 1, true), PictureWay::Beams);
         assert_eq!(of(&inside, few + 1, false), PictureWay::Beams);
-        let outside = outside_view(&scene);
+        let outside = outside_view(scene);
         assert_eq!(of(&outside, few - 1, true), PictureWay::Rays);
         assert_eq!(of(&outside, few + 1, true), PictureWay::Beams);
         // In the middle of a wall.

@@ -501,16 +501,9 @@ mod scene_tests {
 
     use super::*;
     use crate::closing::{Leaf, Stand};
-    use crate::generate::{
-        Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
-    };
     use crate::importers::Semantic;
+    use crate::samples::Sample;
     use crate::splitmix::SplitMix64;
-    use crate::{CompileOptions, compile};
-
-    fn scene(building: &Building, style: &Style) -> Scene {
-        compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
-    }
 
     /// Rays and fans of rays from places in the air, as pictures have them: to anywhere, or within two millimetres of corners of triangles.
     /// Of some the direction is not unit, some end, within a millimetre of what they meet, some start farther on, and some are none.
@@ -562,7 +555,7 @@ mod scene_tests {
 
     #[test]
     fn points_are_located_as_single_ones_are() {
-        let scene = scene(&build1(&OfficeOptions { seed: 0, ..OfficeOptions::default() }), &Style::exact());
+        let scene = Sample::Build1.scene();
         let mut random = SplitMix64::new(5);
         let [lo, hi] = scene.hull();
         let mut at = [0.0; 3];
@@ -771,16 +764,15 @@ mod scene_tests {
 
     #[test]
     fn fans_of_one_origin_answer_as_single_rays_do() {
-        let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
-        check_fans("house", &scene(&house(&HouseOptions::default()), &Style::exact()));
-        check_fans("build1", &scene(&build1(&office(0)), &Style::exact()));
-        check_fans("random", &scene(&random(&office(1)), &Style::exact()));
-        check_fans("random cad", &scene(&random(&office(2)), &Style::cad(2)));
+        check_fans("house", Sample::House.scene());
+        check_fans("build1", Sample::Build1.scene());
+        check_fans("random", Sample::Random(1).scene());
+        check_fans("random cad", Sample::Random(2).drawn(2));
     }
 
     #[test]
     fn batches_meet_what_closes_openings() {
-        let mut scene = scene(&house(&HouseOptions::default()), &Style::exact());
+        let mut scene = Sample::House.own();
         let openings: Vec<u32> = (0..scene.elements().len() as u32)
             .filter(|&element| scene.element(element).semantic() == Semantic::Opening)
             .collect();
@@ -793,16 +785,12 @@ mod scene_tests {
 
     #[test]
     fn batches_answer_as_single_rays_do() {
-        let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
-        check("house", scene(&house(&HouseOptions::default()), &Style::exact()));
-        check("build1", scene(&build1(&office(0)), &Style::exact()));
-        check(
-            "tower",
-            scene(&tower(&TowerOptions { office: office(0), ..TowerOptions::default() }), &Style::exact()),
-        );
-        check("random", scene(&random(&office(1)), &Style::exact()));
-        check("random cad", scene(&random(&office(2)), &Style::cad(2)));
-        check("masked", scene(&build1(&office(0)), &Style::exact()).without(|element, _| element % 3 == 0));
+        check("house", Sample::House.own());
+        check("build1", Sample::Build1.own());
+        check("tower", Sample::Tower(12).own());
+        check("random", Sample::Random(1).own());
+        check("random cad", Sample::Random(2).own_drawn(2));
+        check("masked", Sample::Build1.scene().without(|element, _| element % 3 == 0));
     }
 
     #[test]

@@ -154,9 +154,7 @@ mod tests {
 
     #[test]
     fn lines_cross_the_same_triangles_with_the_grid_and_without() {
-        let options = crate::generate::OfficeOptions::default();
-        let model = crate::generate::build1(&options).to_model().unwrap();
-        let scene = crate::compile(&model, &crate::CompileOptions::default()).unwrap().scene();
+        let scene = crate::samples::Sample::Build1.scene();
         let tables = &scene.tables;
         let columns = Columns::new(tables);
         let mut random = crate::splitmix::SplitMix64::new(3);

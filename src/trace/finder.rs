@@ -241,15 +241,12 @@ fn reaches(grid: &AirGrid, step: &Step, cube: [u32; 2]) -> bool {
 #[cfg(all(test, feature = "compile"))]
 mod tests {
     use super::*;
-    use crate::generate::{OfficeOptions, Style, random};
+    use crate::samples::Sample;
     use crate::splitmix::SplitMix64;
-    use crate::{CompileOptions, compile};
 
     #[test]
     fn cubes_name_the_cells_of_their_points_and_mostly_first() {
-        let building = random(&OfficeOptions { seed: 3, ..OfficeOptions::default() });
-        let model = building.export(&Style::exact()).to_model().unwrap();
-        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+        let scene = Sample::Random(3).scene();
         let tables = &scene.tables;
         let finder = Finder::new(&tables.scene[0], &tables.cells, &tables.steps);
         let [lo, hi] = tables.scene[0].zone;

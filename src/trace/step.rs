@@ -394,6 +394,7 @@ pub(crate) fn step_of(prisms: &Prisms<'_>, cell: &CellRecord, splits: &mut Split
 mod tests {
     use super::*;
     use crate::generate::{self, OfficeOptions, Style, build1};
+    use crate::samples::Sample;
     use crate::splitmix::SplitMix64;
     use crate::trace::lanes::Portable;
     use crate::{CompileOptions, compile};
@@ -401,9 +402,7 @@ mod tests {
     /// Of a corridor with doors on both sides, too, whose walls fall into more parts than one record has.
     #[test]
     fn split_edges_have_the_parts_of_their_sides() {
-        let building = build1(&OfficeOptions { seed: 0, ..OfficeOptions::default() });
-        let model = building.export(&Style::exact()).to_model().unwrap();
-        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+        let scene = Sample::Build1.scene();
         let (tables, prisms) = (&scene.tables, Prisms::new(&scene.tables));
         let mut most = 0;
         for (cell, step) in tables.cells.iter().zip(tables.steps.iter()) {

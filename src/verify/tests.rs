@@ -51,11 +51,15 @@ fn options() -> VerifyOptions {
 }
 
 fn check(tracer: impl Fn(&Ray) -> Hit + Sync) -> VerifyReport {
+    check_with(&options(), tracer)
+}
+
+fn check_with(options: &VerifyOptions, tracer: impl Fn(&Ray) -> Hit + Sync) -> VerifyReport {
     let house = house();
     let all = |rays: &[Ray], hits: &mut [Hit]| {
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tracer(ray));
     };
-    verify(&house, role_of(&house), &all, &options()).unwrap()
+    verify(&house, role_of(&house), &all, options).unwrap()
 }
 
 fn moved(mut model: Model, by: impl Fn([f64; 3]) -> [f64; 3]) -> Model {
@@ -182,25 +186,27 @@ fn shifted_distances_are_noticed() {
 #[test]
 fn wrong_elements_misses_and_phantoms_are_noticed() {
     let plain = Plain::of(house());
-    let report = check(|ray| {
+    // For what is wrong all is looked for that might make it right.
+    let few = options().with_rays(2500);
+    let report = check_with(&few, |ray| {
         let hit = plain.hit(ray);
         let element = if hit.element < 9 { (hit.element + 1) % 9 } else { hit.element };
         Hit { element, ..hit }
     });
-    assert!(report.total.wrong_by_kind[&Why::OtherElement] > 5000);
-    assert!(report.total.wrong_by_kind[&Why::NotInSolid] > 100);
+    assert!(report.total.wrong_by_kind[&Why::OtherElement] > 1250);
+    assert!(report.total.wrong_by_kind[&Why::NotInSolid] > 25);
 
-    let report = check(|_| Hit::ESCAPED);
-    assert!(report.total.wrong_by_kind[&Why::Missed] > 8000);
-    assert!(report.total.wrong_by_kind[&Why::StartsInSolid] >= 200);
-    assert!(report.total.exact > 100, "those that do escape");
+    let report = check_with(&few, |_| Hit::ESCAPED);
+    assert!(report.total.wrong_by_kind[&Why::Missed] > 2000);
+    assert!(report.total.wrong_by_kind[&Why::StartsInSolid] >= 50);
+    assert!(report.total.exact > 25, "those that do escape");
 
     let nearby = Hit { t: 0.5, element: 2, normal: [0.0; 3], ..Hit::ESCAPED };
-    let report = check(|ray| at(ray, nearby, 0.5));
-    assert!(report.total.wrong > 9900 && report.total.wrong_by_kind[&Why::Phantom] > 100);
+    let report = check_with(&few, |ray| at(ray, nearby, 0.5));
+    assert!(report.total.wrong > 2475 && report.total.wrong_by_kind[&Why::Phantom] > 25);
 
-    let report = check(|ray| Hit::in_solid(0, ray.origin[0].to_bits() as u32 % 7));
-    assert!(report.total.wrong_by_kind[&Why::NotInSolid] > 9000);
+    let report = check_with(&few, |ray| Hit::in_solid(0, ray.origin[0].to_bits() as u32 % 7));
+    assert!(report.total.wrong_by_kind[&Why::NotInSolid] > 2250);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock};
 
 use enfilade::closing::{ClosingError, Stand};
 use enfilade::components::components;
@@ -39,11 +40,34 @@ fn scene(model: &Model) -> Scene {
     compile(model, &CompileOptions::default()).unwrap().scene()
 }
 
+/// What is compiled of each model, by two threads, once for all tests.
+fn compiled(path: &Path) -> &'static [u8] {
+    type Files = BTreeMap<PathBuf, &'static OnceLock<Vec<u8>>>;
+    static FILES: Mutex<Files> = Mutex::new(BTreeMap::new());
+    let file = *FILES.lock().unwrap().entry(path.to_owned()).or_insert_with(|| Box::leak(Box::default()));
+    file.get_or_init(|| compiled_by(2, path))
+}
+
+fn compiled_by(threads: usize, path: &Path) -> Vec<u8> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let compiled = compile(&load(path), &CompileOptions::default()).unwrap();
+        let report = &compiled.report;
+        let out: u64 = report.triangles_out.iter().map(|row| row.count).sum();
+        assert_eq!(report.triangles_in, out, "{}", path.display());
+        compiled.bytes
+    })
+}
+
+/// The scene of a model.
+fn open(path: &Path) -> Scene {
+    Scene::from_bytes(compiled(path)).unwrap()
+}
+
 #[test]
 fn every_answer_is_right() {
     for path in models().unwrap_or_default() {
-        let model = load(&path);
-        let scene = scene(&model);
+        let (model, scene) = (load(&path), open(&path));
         let roles = roles(&model, Untagged::default());
         let options = VerifyOptions::default().with_rays(50_000).with_grid_rays(1000);
         let report = verify(&model, |e| roles[e.0 as usize], &scene, &options).unwrap();
@@ -59,21 +83,7 @@ fn every_answer_is_right() {
 #[test]
 fn counts_add_up_and_bytes_do_not_depend_on_threads() {
     for path in models().unwrap_or_default() {
-        let bytes: Vec<Vec<u8>> = [1, 2]
-            .iter()
-            .map(|&threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| {
-                    let model = load(&path);
-                    let compiled = compile(&model, &CompileOptions::default()).unwrap();
-                    let report = &compiled.report;
-                    let out: u64 = report.triangles_out.iter().map(|row| row.count).sum();
-                    assert_eq!(report.triangles_in, out, "{}", path.display());
-                    compiled.bytes
-                })
-            })
-            .collect();
-        assert!(bytes[0] == bytes[1], "{}", path.display());
+        assert!(compiled_by(1, &path) == compiled(&path), "{}", path.display());
     }
 }
 
@@ -82,9 +92,8 @@ fn far_and_turned_models_answer_alike() {
     for far_path in models().unwrap_or_default() {
         let name = far_path.to_string_lossy().into_owned();
         let Some(plain_name) = name.strip_suffix(".geo.glb") else { continue };
-        let (plain, far) = (load(Path::new(&format!("{plain_name}.glb"))), load(&far_path));
         let root = root_transform(&far_path);
-        let (plain_scene, far_scene) = (scene(&plain), scene(&far));
+        let (plain_scene, far_scene) = (open(Path::new(&format!("{plain_name}.glb"))), open(&far_path));
         let (rays, moved) = rays(&plain_scene, &far_scene, &root);
         let (mut a, mut b) = (vec![Hit::ESCAPED; rays.len()], vec![Hit::ESCAPED; rays.len()]);
         plain_scene.trace_many(&rays, &mut a, Want::LEAST);
@@ -319,7 +328,7 @@ fn openings_join_the_rooms_beyond_them() {
     let (mut all, mut right) = (0, 0);
     for path in models().unwrap_or_default() {
         let Some(entries) = adjacency(&path) else { continue };
-        let scene = scene(&load(&path));
+        let scene = open(&path);
         let graph = scene.graph();
         let by_id: BTreeMap<&str, &OpeningNode> =
             graph.openings.iter().map(|opening| (scene.element(opening.element).id(), opening)).collect();
@@ -342,7 +351,7 @@ fn doors_and_windows_join_the_same_rooms_without_tagged_openings() {
         if adjacency(&path).is_none() {
             continue;
         }
-        let (tagged, found) = (scene(&load(&path)), scene(&without(&path, "IfcOpeningElement")));
+        let (tagged, found) = (open(&path), scene(&without(&path, "IfcOpeningElement")));
         let (graph, again) = (tagged.graph(), found.graph());
         let by_filling: BTreeMap<&str, &OpeningNode> = again
             .openings
@@ -376,7 +385,7 @@ fn rooms_are_found_again_without_tags() {
         if adjacency(&path).is_none() || is_other_form {
             continue;
         }
-        let (tagged, bare) = (scene(&load(&path)), scene(&without(&path, "IfcOpeningElement|IfcSpace")));
+        let (tagged, bare) = (open(&path), scene(&without(&path, "IfcOpeningElement|IfcSpace")));
         let mut open: BTreeMap<Place, f64> = BTreeMap::new();
         for passage in tagged.graph().portals.iter().filter(|passage| passage.opening.is_none()) {
             if let [Place::Room(_), Place::Room(_)] = passage.places {
@@ -444,8 +453,7 @@ fn numbers(seed: u64) -> impl FnMut() -> f64 {
 #[test]
 fn answers_are_those_of_the_model_as_its_openings_stand() {
     for path in models().unwrap_or_default() {
-        let model = load(&path);
-        let mut scene = scene(&model);
+        let (model, mut scene) = (load(&path), open(&path));
         let ways = [Stand::CLOSED, Stand::FREE, Stand::SEALED, Stand::MODELLED];
         for (opening, stand) in scene.graph().openings.iter().zip(ways.iter().cycle()) {
             match scene.set_stands(&[(opening.element, *stand)]) {
@@ -527,7 +535,7 @@ fn cells_between(scene: &Scene, from: [f64; 3], to: [f64; 3], cells: &mut Vec<u3
 #[test]
 fn rays_through_openings_cross_the_cells_and_portals_of_the_graph() {
     for path in models().unwrap_or_default() {
-        let mut scene = scene(&load(&path));
+        let mut scene = open(&path);
         let graph = scene.graph();
         let told = told(&scene, &graph);
         let free: Vec<(u32, Stand)> = graph.openings.iter().map(|o| (o.element, Stand::FREE)).collect();

@@ -45,11 +45,13 @@ fn mixed(openings: &[OpeningNode]) -> Vec<(u32, Stand)> {
 }
 
 fn buildings() -> Vec<(&'static str, Building)> {
+    let mut few_storeys = TowerOptions::default();
+    few_storeys.storeys = 4;
     vec![
         ("house", house(&HouseOptions::default())),
         ("random", random(&OfficeOptions::default())),
         ("build1", build1(&OfficeOptions::default())),
-        ("tower", tower(&TowerOptions::default())),
+        ("tower", tower(&few_storeys)),
     ]
 }
 

@@ -338,7 +338,7 @@ fn files_and_models_have_the_same_tags() {
     let mut buildings = vec![
         house(&HouseOptions::default()),
         build1(&office(1, true)),
-        build2(&office(1, true)),
+        build2(&office(1, false)),
         build3(&office(1, false)),
         tower(&two_storeys),
     ];

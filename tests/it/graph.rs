@@ -48,12 +48,14 @@ fn cases(third: usize) -> Vec<(Building, Vec<(String, Style)>)> {
         options.seed = seed;
         random(&options)
     };
+    let mut few_storeys = TowerOptions::default();
+    few_storeys.storeys = 4;
     vec![
         (house(&HouseOptions::default()), all_styles()),
         (random(1), all_styles().into_iter().skip(third).step_by(3).collect()),
         (random(2), few()),
         (build1(&OfficeOptions::default()), few()),
-        (tower(&TowerOptions::default()), few()),
+        (tower(&few_storeys), few()),
     ]
 }
 

@@ -3,14 +3,18 @@ use enfilade_importers::CancelToken;
 use super::*;
 use crate::generate::{HouseOptions, house};
 
+/// Each is compiled again and again.
+fn bare() -> Building {
+    house(&HouseOptions { furniture: false, ..HouseOptions::default() })
+}
+
 fn few() -> RobustOptions {
     RobustOptions { rays: 2000, verified: 2000, repeat: 1, ..RobustOptions::default() }
 }
 
 #[test]
 fn a_building_as_drawn_is_its_own_truth() {
-    let report =
-        robust(&house(&HouseOptions::default()), &RobustOptions { damages: Vec::new(), ..few() }).unwrap();
+    let report = robust(&bare(), &RobustOptions { damages: Vec::new(), ..few() }).unwrap();
     let drawn = report.drawn;
     assert_eq!((drawn.joins_found, drawn.joins_right, drawn.leaky_pairs), (1.0, Some(1.0), 0));
     assert!(drawn.volume_error[1] < 1e-9 && drawn.void_volume == 0.0, "{drawn:?}");
@@ -22,7 +26,7 @@ fn a_building_as_drawn_is_its_own_truth() {
 #[test]
 fn damage_is_seen_in_what_it_touches() {
     let options = RobustOptions { sizes: vec![1e-2], ..few() };
-    let report = robust(&house(&HouseOptions::default()), &options).unwrap();
+    let report = robust(&bare(), &options).unwrap();
     assert_eq!(report.rows.len(), Damage::ALL.len());
     let of = |damage| *report.rows.iter().find(|row| row.damage == Some(damage)).unwrap();
     assert!(report.rows.iter().all(|row| row.wrong == 0), "{}", report.text());
@@ -47,7 +51,7 @@ fn reports_are_told_and_drawn() {
         sizes: vec![1e-4, 1e-2],
         ..few()
     };
-    let report = robust(&house(&HouseOptions::default()), &options).unwrap();
+    let report = robust(&bare(), &options).unwrap();
     let lines: Vec<String> = report.text().lines().map(str::to_owned).collect();
     assert_eq!(lines.len(), 2 + 1 + 4);
     assert!(lines[2].starts_with("as drawn") && lines[6].starts_with("solid-gaps"), "{lines:#?}");
@@ -61,7 +65,7 @@ fn cancelled() {
     let cancel = CancelToken::default();
     cancel.cancel();
     let watch = Watch::default().with_cancel(cancel);
-    let stopped = robust(&house(&HouseOptions::default()), &RobustOptions { watch, ..few() });
+    let stopped = robust(&bare(), &RobustOptions { watch, ..few() });
     assert!(matches!(stopped, Err(RobustError::Cancelled(_))), "{stopped:?}");
 }
 
@@ -69,8 +73,7 @@ fn cancelled() {
 fn sizes_that_are_none_are_left_out() {
     let (damages, sizes) =
         (vec![Damage::Jitter, Damage::Jitter], vec![1e-3, 0.0, f64::NAN, 1e-3, -1.0, 1e300]);
-    let report =
-        robust(&house(&HouseOptions::default()), &RobustOptions { damages, sizes, ..few() }).unwrap();
+    let report = robust(&bare(), &RobustOptions { damages, sizes, ..few() }).unwrap();
     assert_eq!(report.rows.iter().map(|row| row.size).collect::<Vec<_>>(), [1e-3]);
 }
 
@@ -79,7 +82,7 @@ fn sizes_that_are_none_are_left_out() {
 fn noise_up_to_where_nothing_closes_is_answered_rightly() {
     let (damages, sizes) = (vec![Damage::Noise], vec![1.1e-3, 2.3e-3]);
     let options = RobustOptions { damages, sizes, verified: 20_000, ..few() };
-    let report = robust(&house(&HouseOptions::default()), &options).unwrap();
+    let report = robust(&bare(), &options).unwrap();
     assert!(report.rows.iter().all(|row| row.wrong == 0 && row.verified > 20_000), "{}", report.text());
     assert!(report.rows[0].joins_found > 0.9, "{}", report.text());
 }

@@ -92,17 +92,15 @@ impl Way<'_> {
 mod tests {
     use super::super::leaving::{EXACT, slowly};
     use super::*;
-    use crate::generate::{OfficeOptions, Style, build1};
+    use crate::Place;
+    use crate::samples::Sample;
     use crate::splitmix::SplitMix64;
     use crate::trace::lanes::Portable;
-    use crate::{CompileOptions, Place, compile};
 
     /// Under the roofs of attics.
     #[test]
     fn in_lanes_rays_leave_as_they_do_in_f64() {
-        let building = build1(&OfficeOptions { seed: 0, ..OfficeOptions::default() });
-        let model = building.export(&Style::exact()).to_model().unwrap();
-        let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+        let scene = Sample::Build1.scene();
         let tables = &scene.tables;
         let attics: Vec<usize> =
             (0..tables.steps.len()).filter(|&cell| tables.steps[cell].is_sloped()).collect();

@@ -2,18 +2,13 @@
 
 use super::*;
 use crate::format::records::CellRecord;
-use crate::generate::{
-    Building, HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower,
-};
+use crate::generate::{HouseOptions, Style, house};
+use crate::samples::Sample;
 use crate::splitmix::SplitMix64;
 use crate::trace::path::Prisms;
 use crate::trace::single::surface_of;
 use crate::trace::{Hit, Kernel, Place, Start, Want};
 use crate::{CompileOptions, Scene, compile};
-
-fn scene(building: &Building, style: &Style) -> Scene {
-    compile(&building.export(style).to_model().unwrap(), &CompileOptions::default()).unwrap().scene()
-}
 
 /// Rays from the air of the zone, half of them through places in rooms, the cells in which they start.
 fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
@@ -79,23 +74,17 @@ fn check(name: &str, scene: &Scene, share: f64) -> u32 {
 
 #[test]
 fn it_answers_as_the_careful_walk_does() {
-    check("house", &scene(&house(&HouseOptions::default()), &Style::exact()), 0.99);
-    let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
+    check("house", Sample::House.scene(), 0.99);
     // With an attic under sloped roofs, a round end, an oblique wing; floors that reach over several storeys.
-    check("build1", &scene(&build1(&office(0)), &Style::exact()), 0.99);
-    check(
-        "tower",
-        &scene(&tower(&TowerOptions { office: office(0), ..TowerOptions::default() }), &Style::exact()),
-        0.99,
-    );
+    check("build1", Sample::Build1.scene(), 0.99);
+    check("tower", Sample::Tower(12).scene(), 0.99);
     // A third of the elements are not there, and faces of which they were a part are plain no more.
-    let masked = scene(&build1(&office(0)), &Style::exact()).without(|element, _| element % 3 == 0);
+    let masked = Sample::Build1.scene().without(|element, _| element % 3 == 0);
     check("masked", &masked, 0.7);
     for seed in 1..4 {
-        check(&format!("random {seed}"), &scene(&random(&office(seed)), &Style::exact()), 0.99);
+        check(&format!("random {seed}"), Sample::Random(seed).scene(), 0.99);
         // Corners a hair aside each: hardly two triangles in one plane, so that most faces are not plain.
-        let rough =
-            check(&format!("random cad {seed}"), &scene(&random(&office(seed)), &Style::cad(seed)), 0.975);
+        let rough = check(&format!("random cad {seed}"), Sample::Random(seed).drawn(seed), 0.975);
         assert!(rough > 10_000, "{rough} at faces that are not plain");
     }
 }
@@ -152,19 +141,18 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
 
 #[test]
 fn from_surfaces_it_answers_as_the_careful_walk_does() {
-    check_from_surfaces("house", &scene(&house(&HouseOptions::default()), &Style::exact()), 0.7);
-    let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
-    check_from_surfaces("build1", &scene(&build1(&office(0)), &Style::exact()), 0.7);
+    check_from_surfaces("house", Sample::House.scene(), 0.7);
+    check_from_surfaces("build1", Sample::Build1.scene(), 0.7);
     for seed in 1..3 {
-        check_from_surfaces(&format!("random {seed}"), &scene(&random(&office(seed)), &Style::exact()), 0.6);
-        check_from_surfaces(&format!("cad {seed}"), &scene(&random(&office(seed)), &Style::cad(seed)), 0.5);
+        check_from_surfaces(&format!("random {seed}"), Sample::Random(seed).scene(), 0.6);
+        check_from_surfaces(&format!("cad {seed}"), Sample::Random(seed).drawn(seed), 0.5);
     }
 }
 
 #[test]
 fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
-    let scene = scene(&house(&HouseOptions::default()), &Style::exact());
-    let (cell, ray) = rays(&scene, 1, 3)[0];
+    let scene = Sample::House.scene();
+    let (cell, ray) = rays(scene, 1, 3)[0];
     let quick = |cell: u32, ray: Ray| scene.kernel.quick(&scene.tables, &ray, cell).is_some();
     for component in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert!(!quick(cell, Ray { origin: [component, 0.0, 0.0], ..ray }));
@@ -179,13 +167,10 @@ fn what_is_no_ray_or_starts_elsewhere_is_left_to_others() {
 
 #[test]
 fn plates_tell_what_their_triangles_would() {
-    for (name, building) in
-        [("house", house(&HouseOptions::default())), ("tower", tower(&TowerOptions::default()))]
-    {
-        let scene = scene(&building, &Style::default());
+    for (name, scene) in [("house", Sample::House.scene()), ("tower", Sample::Tower(12).scene())] {
         let (tables, walk) = (&scene.tables, Walk::new(&scene.tables));
         let (mut plates, mut told) = (0, 0);
-        for (cell, ray) in rays(&scene, 20_000, 8) {
+        for (cell, ray) in rays(scene, 20_000, 8) {
             let Some(quick) = scene.kernel.quick(tables, &ray, cell) else { continue };
             if quick.source == NONE || quick.found.triangle == NONE {
                 continue;
@@ -309,14 +294,13 @@ fn check_from_outside(name: &str, scene: &Scene) -> f64 {
 
 #[test]
 fn rays_from_outside_are_answered_as_the_careful_walk_does() {
-    let office = OfficeOptions::default();
     for (name, scene) in [
-        ("house", scene(&house(&HouseOptions::default()), &Style::exact())),
-        ("build1", scene(&build1(&office), &Style::exact())),
-        ("random cad", scene(&random(&office), &Style::cad(1))),
+        ("house", Sample::House.scene()),
+        ("build1", Sample::Build1.scene()),
+        ("random cad", Sample::Random(0).drawn(1)),
     ] {
         // Others start farther on, in cells, or where a solid may be.
-        let share = check_from_outside(name, &scene);
+        let share = check_from_outside(name, scene);
         assert!(share > 0.8, "{name}: {share}");
     }
 }
