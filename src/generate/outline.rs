@@ -105,11 +105,13 @@ pub fn crosses_rightward(p: [i64; 2], q: [i64; 2], doubled: [i64; 2]) -> bool {
 }
 
 /// The difference of two plane points.
+#[inline]
 pub fn sub(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 /// The cross product of two plane vectors: positive if `b` is to the left of `a`.
+#[inline]
 pub fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
     a[0] * b[1] - a[1] * b[0]
 }

@@ -4,7 +4,8 @@
 //! exact in integers. Corners on straight lines are kept, and get triangles of their own: nothing is left out, so
 //! that the parts of neighbouring faces meet edge to edge, and no triangle has zero area.
 //!
-//! Time grows with the third power of the number of corners; a face of a building has tens of them, seldom hundreds.
+//! Time grows with the square of the number of corners, and nearly as often all that is drawn is looked at; a face of a building has tens of
+//! corners, seldom hundreds.
 
 use std::collections::BTreeMap;
 
@@ -48,6 +49,9 @@ pub fn is_plain(loops: &[Vec<[i64; 2]>]) -> bool {
     sorted.len() == ring.len() && turns
 }
 
+/// So many segments are kept for each corner that one from there crossed last: most that follow cross them, too.
+const FENCES: usize = 6;
+
 /// The polygon's corners, its boundary, and the diagonals of its greedy triangulation.
 struct Net {
     points: Vec<[i64; 2]>,
@@ -78,8 +82,12 @@ impl Net {
 
     fn draw_diagonals(&mut self, corners: &[usize], loops: usize) {
         let mut candidates = Vec::new();
+        let wedges = self.wedges();
         for (k, &a) in corners.iter().enumerate() {
             for &b in &corners[k + 1..] {
+                if self.is_outward(wedges[a], a, b) || self.is_outward(wedges[b], b, a) {
+                    continue;
+                }
                 let [dx, dy] = sub(self.points[b], self.points[a]);
                 candidates.push((dx * dx + dy * dy, [a.min(b), a.max(b)]));
             }
@@ -88,22 +96,74 @@ impl Net {
         // By Euler's formula: with more, some would cross. A loop that touches itself or another may shut off one more face.
         let shut = loops + self.points.len() - corners.len();
         let all = (3 * (corners.len() + shut)).saturating_sub(6 + 2 * self.boundary.len());
+        // At first such that nothing crosses.
+        let mut fences = vec![[[0; 2]; FENCES]; self.points.len()];
         for (_, candidate) in candidates {
             if self.diagonals.len() == all {
                 break;
             }
-            if self.is_free(candidate, corners) {
+            let [a, b] = candidate;
+            if fences[a].iter().chain(&fences[b]).any(|&fence| self.is_crossed(candidate, fence)) {
+                continue;
+            }
+            if let Some(fence) = self.crossed_by(candidate) {
+                for corner in candidate {
+                    fences[corner].rotate_right(1);
+                    fences[corner][0] = fence;
+                }
+            } else if self.is_free(candidate, corners) {
                 self.diagonals.push(candidate);
             }
         }
     }
 
-    /// Whether a segment between two corners lies inside the polygon and touches no edge and no diagonal, but at its
-    /// ends.
+    /// The corners before and after each that the boundary passes once.
+    fn wedges(&self) -> Vec<Option<[usize; 2]>> {
+        let (mut before, mut after) =
+            (vec![Vec::new(); self.points.len()], vec![Vec::new(); self.points.len()]);
+        for &[a, b] in &self.boundary {
+            after[a].push(b);
+            before[b].push(a);
+        }
+        before
+            .iter()
+            .zip(&after)
+            .map(|ends| if let ([a], [b]) = (&ends.0[..], &ends.1[..]) { Some([*a, *b]) } else { None })
+            .collect()
+    }
+
+    /// Whether the way from a corner to another leads out of the polygon at once: no diagonal does.
+    fn is_outward(&self, wedge: Option<[usize; 2]>, corner: usize, to: usize) -> bool {
+        let Some([before, after]) = wedge else { return false };
+        let [before, after, to] = [before, after, to].map(|end| sub(self.points[end], self.points[corner]));
+        if cross(after, before) > 0 {
+            cross(after, to) < 0 || cross(to, before) < 0
+        } else {
+            cross(before, to) > 0 && cross(to, after) > 0
+        }
+    }
+
+    /// Whether a segment between two corners crosses one that is drawn.
+    fn is_crossed(&self, [a, b]: [usize; 2], [c, d]: [usize; 2]) -> bool {
+        let (p, q, r, s) = (self.points[a], self.points[b], self.points[c], self.points[d]);
+        let is_apart = |i: usize| r[i].max(s[i]) <= p[i].min(q[i]) || r[i].min(s[i]) >= p[i].max(q[i]);
+        // Most lie apart, or touch at most.
+        if is_apart(0) || is_apart(1) {
+            return false;
+        }
+        let side = |x: [i64; 2], y: [i64; 2], z: [i64; 2]| cross(sub(y, x), sub(z, x)).signum();
+        side(p, q, r) * side(p, q, s) < 0 && side(r, s, p) * side(r, s, q) < 0
+    }
+
+    /// An edge or a diagonal that a segment crosses.
+    fn crossed_by(&self, segment: [usize; 2]) -> Option<[usize; 2]> {
+        self.boundary.iter().chain(&self.diagonals).copied().find(|&drawn| self.is_crossed(segment, drawn))
+    }
+
+    /// Whether a segment between two corners, which crosses no edge and no diagonal, lies inside the polygon and touches none but at its ends.
     fn is_free(&self, [a, b]: [usize; 2], corners: &[usize]) -> bool {
         let (p, q) = (self.points[a], self.points[b]);
         let along = sub(q, p);
-        let drawn = || self.boundary.iter().chain(&self.diagonals);
         let is_between = |&c: &usize| {
             let r = sub(self.points[c], p);
             let far = r[0] * along[0] + r[1] * along[1];
@@ -113,17 +173,8 @@ impl Net {
                 && far > 0
                 && far < along[0] * along[0] + along[1] * along[1]
         };
-        let crosses = |&[c, d]: &[usize; 2]| {
-            let (r, s) = (self.points[c], self.points[d]);
-            // Most lie apart, or touch at most.
-            if (0..2).any(|i| r[i].max(s[i]) <= p[i].min(q[i]) || r[i].min(s[i]) >= p[i].max(q[i])) {
-                return false;
-            }
-            let side = |x: [i64; 2], y: [i64; 2], z: [i64; 2]| cross(sub(y, x), sub(z, x)).signum();
-            side(p, q, r) * side(p, q, s) < 0 && side(r, s, p) * side(r, s, q) < 0
-        };
         let is_drawn = |&[c, d]: &[usize; 2]| [c, d] == [a, b] || [d, c] == [a, b];
-        if drawn().any(is_drawn) || drawn().any(crosses) || corners.iter().any(is_between) {
+        if self.boundary.iter().chain(&self.diagonals).any(is_drawn) || corners.iter().any(is_between) {
             return false;
         }
         let middle = [p[0] + q[0], p[1] + q[1]];
