@@ -37,7 +37,7 @@ use crate::roles::roles;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct StressOptions {
-    /// Rays in all, shared evenly among trials and families. Default 1 million.
+    /// Rays in all, shared evenly among trials and families, but for trials whose rays take much longer ([`Trial::one_in`]). Default 1 million.
     pub rays: u64,
     /// Whether to run the trials of the long mode, too.
     pub long: bool,

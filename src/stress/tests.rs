@@ -610,6 +610,12 @@ fn a_ray_from_within_a_frame_does_not_pass_its_front() {
     seeded(1139, "turned-5", Family::Zeros, 3964);
 }
 
+/// From the back of its underside, which a ray along that had come to: it starts in the slab, and was told to leave that by its side.
+#[test]
+fn a_ray_on_from_the_back_of_a_bent_slab_ran_on_inside_of_it() {
+    seeded(275, "house-cad", Family::AlongEdges, 8916);
+}
+
 /// Where walls are thinner than cells are blurred in houses, the cell behind one is as near to what stands before it.
 #[test]
 fn a_ray_on_from_a_hit_asks_no_cell_that_is_only_near() {

@@ -453,6 +453,8 @@ impl Scene {
                             ended = met;
                         } else if let Some((up, above)) = self.above(away, &line, probe) {
                             (way, ended) = (up, above);
+                        } else if let Some(element) = self.solid_before(away, &line) {
+                            return Hit::in_solid(element, tables.elements[element as usize].semantic);
                         }
                     }
                     // Back from the other ray's origin to this one's.
@@ -525,6 +527,18 @@ impl Scene {
             let ended = among_all(&self.tables, &above, None, probe);
             (!self.came_through_matter(&above, ended.found)).then_some((way, ended))
         })
+    }
+
+    /// The solid that a ray goes into which goes away from a surface: that is the back of the solid's own, which rounding has let a ray come to that ran
+    /// along it.
+    #[cold]
+    fn solid_before(&self, surface: &Surface, line: &Line) -> Option<u32> {
+        if surface.triangle as usize >= self.tables.triangles.len() {
+            return None;
+        }
+        let before = line.origin + surface.normal * self.most_before(surface, line);
+        let element = self.tables.record(surface.triangle).element;
+        self.solid_at(before.to_array()).filter(|solid| *solid == element)
     }
 
     /// A way aside from where a ray starts, before the surface that it goes away from, no farther than to that surface: behind it no air begins, be the
