@@ -1,12 +1,12 @@
-//! Generated buildings that many tests look at, each compiled once for all of them.
+//! Generated buildings that many tests look at, each compiled once for all of them. To be asked for by a test's own thread: compiling waits for
+//! jobs, and one of these that asks for the same would wait for it.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
-use crate::generate::{
-    HouseOptions, OfficeOptions, RoundRoomOptions, Style, TowerOptions, build1, house, random, round_room,
-    tower,
-};
+use crate::generate::{HouseOptions, OfficeOptions, Style, TowerOptions, build1, house, random, tower};
+#[cfg(feature = "render")]
+use crate::generate::{RoundRoomOptions, round_room};
 use crate::{CompileOptions, Scene, compile};
 
 /// A building, furnished.
@@ -15,6 +15,7 @@ pub(crate) enum Sample {
     House,
     /// With an attic under sloped roofs, a round end, an oblique wing.
     Build1,
+    #[cfg(feature = "render")]
     RoundRoom,
     /// Of so many storeys; has floors that reach over several of them.
     Tower(usize),
@@ -26,9 +27,9 @@ pub(crate) enum Sample {
 type Key = (Sample, Option<u64>);
 
 /// What is compiled of one, the file and that opened.
-type Made = Arc<OnceLock<&'static (Vec<u8>, Scene)>>;
+type Made = OnceLock<(Vec<u8>, Scene)>;
 
-static MADE: Mutex<BTreeMap<Key, Made>> = Mutex::new(BTreeMap::new());
+static MADE: Mutex<BTreeMap<Key, &'static Made>> = Mutex::new(BTreeMap::new());
 
 impl Sample {
     /// As it is.
@@ -53,13 +54,14 @@ impl Sample {
 }
 
 fn made(key: Key) -> &'static (Vec<u8>, Scene) {
-    let one = Arc::clone(MADE.lock().unwrap().entry(key).or_default());
+    let one = *MADE.lock().unwrap().entry(key).or_insert_with(|| Box::leak(Box::default()));
     // Others are made meanwhile.
     one.get_or_init(|| {
         let office = |seed| OfficeOptions { seed, ..OfficeOptions::default() };
         let building = match key.0 {
             Sample::House => house(&HouseOptions::default()),
             Sample::Build1 => build1(&office(0)),
+            #[cfg(feature = "render")]
             Sample::RoundRoom => round_room(&RoundRoomOptions::default()),
             Sample::Tower(storeys) => tower(&TowerOptions { storeys, office: office(0) }),
             Sample::Random(seed) => random(&office(seed)),
@@ -68,6 +70,6 @@ fn made(key: Key) -> &'static (Vec<u8>, Scene) {
         let model = building.export(&style).to_model().unwrap();
         let bytes = compile(&model, &CompileOptions::default()).unwrap().bytes;
         let scene = Scene::from_bytes(&bytes).unwrap();
-        Box::leak(Box::new((bytes, scene)))
+        (bytes, scene)
     })
 }

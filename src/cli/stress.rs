@@ -21,7 +21,7 @@ use super::output;
     after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long                                hours on many cores: all trials, a billion rays\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
 )]
 pub struct Arguments {
-    /// Rays in all, shared evenly among trials and families, but for three trials whose rays take much longer, which get fewer.
+    /// Rays in all, shared evenly among trials and families, but for trials whose rays take much longer, which get fewer.
     /// A million by default; with --long a billion.
     #[arg(long, value_name = "N")]
     rays: Option<u64>,

@@ -1,6 +1,7 @@
 //! A scene as tables: owned while it is compiled, viewed in place once it is opened. Opening checks every index,
 //! count and number that a reader relies on, so that later code need not; but for those of the building's map, which are checked when it is asked for.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
 use arrayvec::ArrayVec;
@@ -29,6 +30,9 @@ pub(crate) const MAX_DEPTH: u32 = 20;
 
 /// The finest lattice's steps in a metre are 2 to this power.
 const MOST_BITS: u32 = 24;
+
+/// Groups of triangles that one thread makes before it asks for more.
+const BLOCKS: usize = 1 << 10;
 
 /// Coordinates beyond this, metres, are no building.
 const FARTHEST: f64 = 1e13;
@@ -419,17 +423,22 @@ impl Views {
     /// Items of the section `leaves` by eights, as kernels read them.
     fn groups(&self) -> Vec<BlockRecord> {
         let center = DVec3::from(self.scene[0].center);
-        let group = |items: &[u32]| {
-            let mut block = BlockRecord::EMPTY;
+        let group = |items: &[u32], block: &mut BlockRecord| {
             for (lane, &triangle) in items.iter().enumerate().filter(|(_, triangle)| **triangle != NONE) {
                 let corners =
                     self.triangles[triangle as usize].map(|v| DVec3::from(self.vertices[v as usize]));
                 block.put(lane, triangle, corners, center);
             }
-            block
         };
         let items = |number: usize| &self.leaves[LANES * number..self.leaves.len().min(LANES * (number + 1))];
-        parallel::map(self.leaves.len().div_ceil(LANES), |number| group(items(number)))
+        // In place: of the tables this is one of the largest.
+        let mut blocks = vec![BlockRecord::EMPTY; self.leaves.len().div_ceil(LANES)];
+        let Ok(()) =
+            parallel::try_for_chunks(&mut blocks, BLOCKS, |chunk, blocks| -> Result<(), Infallible> {
+                (BLOCKS * chunk..).zip(blocks).for_each(|(number, block)| group(items(number), block));
+                Ok(())
+            });
+        blocks
     }
 }
 

@@ -4,8 +4,8 @@
 //! exact in integers. Corners on straight lines are kept, and get triangles of their own: nothing is left out, so
 //! that the parts of neighbouring faces meet edge to edge, and no triangle has zero area.
 //!
-//! Time grows with the square of the number of corners, and nearly as often all that is drawn is looked at; a face of a building has tens of
-//! corners, seldom hundreds.
+//! Of all pairs of corners most are told to be no diagonal by a few segments that others from there crossed; for each of the rest all that is drawn is
+//! looked at, so that time grows with the third power of the number of corners at worst. A face of a building has tens of them, seldom hundreds.
 
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ pub fn is_plain(loops: &[Vec<[i64; 2]>]) -> bool {
     sorted.len() == ring.len() && turns
 }
 
-/// So many segments are kept for each corner that one from there crossed last: most that follow cross them, too.
+/// For each corner, so many of the edges and diagonals are kept which candidates from there crossed last: most that follow cross one of them.
 const FENCES: usize = 6;
 
 /// The polygon's corners, its boundary, and the diagonals of its greedy triangulation.

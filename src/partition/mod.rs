@@ -266,9 +266,9 @@ fn each<T: Send, U: Send, E: Send>(
     let items: Vec<Mutex<Option<T>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
     let all = parallel::map(items.len(), |i| {
         let item = items[i].lock().unwrap_or_else(PoisonError::into_inner).take();
-        item.map(&work)
+        work(item.unwrap_or_else(|| unreachable!("each is taken once")))
     });
-    all.into_iter().flatten().collect()
+    all.into_iter().collect()
 }
 
 /// A slab before labels are known.

@@ -56,6 +56,7 @@ fn rays_are_shared_by_what_they_cost() {
     let of = |name: &str| each[trials.iter().position(|trial| trial.name == name).unwrap()];
     let (usual, rare) = (of("nested"), of("corridor-5000"));
     assert!(rare > 0 && (256 * (rare - 1) + 1..=256 * rare).contains(&usual), "{each:?}");
+    assert!((usual..usual + 4).contains(&(4 * of("slivers"))), "{each:?}");
     let all = each.iter().sum::<u64>() * 10;
     assert!((1_000_000..1_001_000).contains(&all), "{all}");
     let alone = [corridor_of(trials)];

@@ -16,7 +16,7 @@ pub struct Trial {
     /// A box of air, and of what stands in it, that is closed all around: no ray from within may escape. In the trial's own frame, Z up, metres: the
     /// model's has an offset taken off where that is long.
     pub inside: Option<[[f64; 3]; 2]>,
-    /// Of as many rays as go through each other trial, one in so many goes through this: rays take as much longer in it.
+    /// Of as many rays as go through each other trial, one in so many goes through this, since rays take much longer in it.
     pub one_in: u64,
     make: Box<dyn Fn() -> Result<Model, ImportError> + Send + Sync>,
 }

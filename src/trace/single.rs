@@ -529,14 +529,14 @@ impl Scene {
         })
     }
 
-    /// The solid that a ray goes into which goes away from a surface: that is the back of the solid's own, which rounding has let a ray come to that ran
-    /// along it.
+    /// The solid that a ray starts in which goes away from the back of that solid's own surface: rounding has let a ray come to that which ran along it.
     #[cold]
     fn solid_before(&self, surface: &Surface, line: &Line) -> Option<u32> {
         if surface.triangle as usize >= self.tables.triangles.len() {
             return None;
         }
-        let before = line.origin + surface.normal * self.most_before(surface, line);
+        let start = line.origin + line.direction * line.tmin;
+        let before = start + surface.normal * self.most_before(surface, line);
         let element = self.tables.record(surface.triangle).element;
         self.solid_at(before.to_array()).filter(|solid| *solid == element)
     }
