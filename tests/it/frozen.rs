@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use enfilade::bench::FrozenScene;
+use enfilade::components::components;
 use enfilade::importers::gltf::read_slice;
 use enfilade::importers::tagging::tag;
 use enfilade::importers::{ImportOptions, Model, Semantic};
@@ -55,13 +56,10 @@ fn frozen_scenes_are_what_the_generator_makes() {
     }
 }
 
+/// The boxes of the rooms' parts.
 fn boxes_of_rooms(model: &Model) -> impl Iterator<Item = [[f64; 3]; 2]> {
     let rooms = model.elements.iter().filter(|element| element.semantic == Semantic::Room);
-    rooms.map(|room| {
-        room.mesh.positions.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lo, hi], p| {
-            [[0, 1, 2].map(|axis| lo[axis].min(p[axis])), [0, 1, 2].map(|axis| hi[axis].max(p[axis]))]
-        })
-    })
+    rooms.flat_map(|room| components(&room.mesh)).map(|part| part.bounds)
 }
 
 #[test]
