@@ -12,6 +12,7 @@
 //! - An origin in matter by the cells, farther than the tolerance from all their air, lies in a crack of the model, where
 //!   solids are meant to touch: it starts inside a solid, if one is within the tolerance.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
@@ -44,6 +45,11 @@ pub(super) const ASIDE: [DVec3; 7] = [
     DVec3::new(-0.187, 0.967, 0.172),
     DVec3::new(0.158, -0.179, 0.971),
 ];
+
+/// Each of some ways, and the other way.
+fn both_ways(ways: &[DVec3]) -> impl Iterator<Item = DVec3> {
+    ways.iter().flat_map(|&way| [way, -way])
+}
 
 /// The length of a step aside of a point, metres.
 pub(super) fn aside(point: DVec3) -> f64 {
@@ -79,23 +85,34 @@ impl Scene {
         let start = line.origin + line.direction * line.tmin;
         let step = aside_of_start(line, start);
         let at = |way: DVec3| self.solid_at((start + way * step).to_array());
-        match (at(DVec3::ZERO), at(ASIDE[0]), at(-ASIDE[0])) {
-            (None, None, None) if self.is_beside(start, step) => Begin::At(line.tmin),
+        let is_air = |way: DVec3| at(way).is_none();
+        let (here, one) = (at(DVec3::ZERO), at(ASIDE[0]));
+        // If these differ, it is on a surface.
+        let other = if here.is_some() == one.is_some() { at(-ASIDE[0]) } else { None };
+        match (here, one, other) {
+            (None, None, None) if both_ways(&ASIDE[1..]).all(is_air) => Begin::At(line.tmin),
             (Some(element), Some(_), Some(_)) => {
                 let line = Line { tmax: line.tmin + self.tolerance(), ..*line };
                 let found = nearest(&line);
                 let air = (found.triangle != NONE).then(|| self.first_air(&line, found, nearest)).flatten();
                 air.unwrap_or(Begin::InSolid(element))
             }
-            (here, one, other) => {
-                let ways = ASIDE.iter().flat_map(|&way| [way, -way]).filter(|&way| at(way).is_none());
+            _ => {
                 // Into the air that the direction enters, and not behind the surface if there is any before it; the first of equals.
                 let is_before = |way: DVec3| surface.is_none_or(|surface| way.dot(surface.normal) > 0.0);
                 let ahead = |way: DVec3| (is_before(way), way.dot(line.direction));
-                match ways.reduce(|best, way| if ahead(way) > ahead(best) { way } else { best }) {
-                    Some(way) => Begin::Beside(way * step),
-                    None => here.or(one).or(other).map_or(Begin::At(line.tmin), Begin::InSolid),
+                let mut ways: ArrayVec<_, { 2 * ASIDE.len() }> =
+                    both_ways(&ASIDE).map(|way| (ahead(way), way)).collect();
+                // Mostly the best or the second best is in the air: whether one is takes longer than to look for the next.
+                while !ways.is_empty() {
+                    let best =
+                        (1..ways.len()).fold(0, |best, i| if ways[i].0 > ways[best].0 { i } else { best });
+                    let (_, way) = ways.remove(best);
+                    if is_air(way) {
+                        return Begin::Beside(way * step);
+                    }
                 }
+                here.or(one).or(other).map_or(Begin::At(line.tmin), Begin::InSolid)
             }
         }
     }
@@ -132,20 +149,16 @@ impl Scene {
     #[cold]
     #[inline(never)]
     pub(super) fn is_beside_solids(&self, point: DVec3) -> bool {
-        self.is_beside(point, aside(point))
-    }
-
-    /// The same with those so far beside.
-    fn is_beside(&self, point: DVec3, step: f64) -> bool {
-        let ways = std::iter::once(DVec3::ZERO).chain(ASIDE.iter().flat_map(|&way| [way, -way]));
+        let ways = std::iter::once(DVec3::ZERO).chain(both_ways(&ASIDE));
+        let step = aside(point);
         ways.map(|way| point + way * step).all(|point| self.solid_at(point.to_array()).is_none())
     }
 
     /// A solid that holds a point within the tolerance of `point`.
     #[cold]
     pub(super) fn solid_around(&self, point: DVec3) -> Option<u32> {
-        let ways = ASIDE.iter().flat_map(|&way| [way, -way]);
-        let near = ways.flat_map(|way| [1.0 / 64.0, 0.5].map(|share| way * (share * self.tolerance())));
+        let near =
+            both_ways(&ASIDE).flat_map(|way| [1.0 / 64.0, 0.5].map(|share| way * (share * self.tolerance())));
         std::iter::once(DVec3::ZERO).chain(near).find_map(|way| self.solid_at((point + way).to_array()))
     }
 

@@ -5,6 +5,7 @@
 
 use std::sync::OnceLock;
 
+use super::walk::each;
 use crate::format::Views;
 use crate::format::records::VolumeRecord;
 
@@ -37,8 +38,9 @@ impl Columns {
     }
 }
 
+#[inline(always)]
 fn corners(tables: &Views, triangle: u32) -> [[f64; 3]; 3] {
-    tables.triangles[triangle as usize].map(|v| tables.vertices[v as usize])
+    each(tables.triangles[triangle as usize], |v| tables.vertices[v as usize])
 }
 
 /// Rectangles over a volume's plan, in rows along x, and the triangles over each.

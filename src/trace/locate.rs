@@ -14,6 +14,7 @@ use super::batch::Starts;
 use super::begin::aside;
 use super::free::local;
 use super::path::{BLURRED, Prisms};
+use super::walk::each;
 use crate::format::records::{CellRecord, SceneRecord, VolumeRecord};
 use crate::format::{Views, WHOLE_BIT};
 use crate::scene::Scene;
@@ -297,6 +298,10 @@ pub(crate) struct Crossings {
 pub(crate) fn crossings(triangles: impl Iterator<Item = [[f64; 3]; 3]>, point: [f64; 3]) -> Crossings {
     let mut found = Crossings::default();
     for corners in triangles {
+        let are_over = each(corners, |corner| corner[2] > point[2]);
+        if are_over == [false; 3] {
+            continue;
+        }
         // Turns of the plan triangle around the point: its edges beyond the point, each half-open in y.
         let mut turns = 0i32;
         for i in 0..3 {
@@ -305,7 +310,7 @@ pub(crate) fn crossings(triangles: impl Iterator<Item = [[f64; 3]; 3]>, point: [
                 turns += if a[1] <= point[1] { 1 } else { -1 };
             }
         }
-        if turns != 0 && height(corners, point) > point[2] {
+        if turns != 0 && (are_over == [true; 3] || height(corners, point) > point[2]) {
             found.count += 1;
             found.winding += turns;
         }

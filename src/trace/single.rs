@@ -411,28 +411,39 @@ impl Scene {
         }
         let away = surface.as_ref().filter(|surface| is_away(surface, &line));
         let onward = self.in_front(away, &line);
-        let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
-        let is_in_doubt = match &surface {
-            Some(_) => away.is_some() && self.came_through_matter(&onward, ended.found),
-            None => matches!(start, Start::Anywhere) && self.may_start_in_solid(&line),
+        let follow = |tmin: f64, probe: &mut P| {
+            let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
+            let is_in_doubt = away.is_some() && self.came_through_matter(&onward, ended.found);
+            ended.found.t = ended.found.t.max(tmin);
+            (ended, is_in_doubt)
         };
-        ended.found.t = ended.found.t.max(line.tmin);
+        // One that starts anywhere is mostly not followed where it is in doubt that it begins there.
+        let (mut followed, is_in_doubt) = if surface.is_some() {
+            let (ended, is_in_doubt) = follow(line.tmin, probe);
+            (Some(ended), is_in_doubt)
+        } else {
+            (None, matches!(start, Start::Anywhere) && self.may_start_in_solid(&line))
+        };
         if is_in_doubt {
+            let first = followed.map(|ended| ended.found);
             // By all triangles: where cells are rounded, a surface may be behind a ray that starts beside it.
             let again = |line: &Line, probe: &mut P| among_all(tables, line, surface.as_ref(), probe);
             match self.begin(&line, away, &mut |line| again(line, probe).found) {
-                Begin::InSolid(_) if surface.is_some() && is_at_start(&line, ended.found.t) => {}
+                Begin::InSolid(_) if first.is_some_and(|first| is_at_start(&line, first.t)) => {}
                 Begin::InSolid(element) => {
                     return Hit::in_solid(element, tables.elements[element as usize].semantic);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
-                    ended = again(&line, probe);
+                    followed = Some(again(&line, probe));
                 }
-                Begin::At(_) if surface.is_some() && self.comes_by_air(&onward, ended.found.t) => {
-                    ended = self.past_edge(&onward, surface.as_ref(), ended.found, probe);
+                Begin::At(_) => {
+                    if let Some(first) = first
+                        && self.comes_by_air(&onward, first.t)
+                    {
+                        followed = Some(self.past_edge(&onward, surface.as_ref(), first, probe));
+                    }
                 }
-                Begin::At(_) => {}
                 Begin::Beside(way) => {
                     let mut way = away.map_or(way, |surface| self.up_to(surface, &line, way));
                     // Without an end: almost along a plane, it comes there much sooner or later than this ray.
@@ -441,7 +452,7 @@ impl Scene {
                     let behind = surface
                         .as_ref()
                         .map(|surface| Surface { aside: way.dot(surface.normal).abs(), ..*surface });
-                    ended = among_all(tables, &aside, behind.as_ref(), probe);
+                    let mut ended = among_all(tables, &aside, behind.as_ref(), probe);
                     if let Some(away) = away
                         && self.came_through_matter(&aside, ended.found)
                     {
@@ -460,9 +471,11 @@ impl Scene {
                     // Back from the other ray's origin to this one's.
                     ended.found.t += way.dot(line.direction);
                     ended.found.t = self.in_its_plane(&line, ended.found).max(line.tmin);
+                    followed = Some(ended);
                 }
             }
         }
+        let ended = followed.unwrap_or_else(|| follow(line.tmin, probe).0);
         if ended.in_matter
             && matches!(start, Start::Anywhere)
             && let Some(element) = self.solid_around(line.origin + line.direction * line.tmin)
