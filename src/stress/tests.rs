@@ -656,3 +656,9 @@ fn a_ray_on_from_a_hit_asks_no_cell_that_is_only_near() {
         assert!(asked > 1000, "{asked}");
     });
 }
+
+#[test]
+fn a_ray_from_a_wall_between_another_and_a_ceiling_escaped_through_these() {
+    seeded(1178, "house-damaged", Family::Surfaces, 4620);
+    seeded(1178, "house-damaged", Family::AlongEdges, 5732);
+}

@@ -66,18 +66,32 @@ impl Scene {
         let most = self.most_before(surface, line);
         let mut line = *line;
         let corner = DVec3::from(self.tables.vertices[corners[0] as usize]);
-        for _ in 0..MOST_SOLIDS {
+        for number in 0..MOST_SOLIDS {
             let behind = (corner - line.origin).dot(surface.normal);
             if behind > 0.0 && behind <= most {
                 line.origin += surface.normal * behind;
             }
+            let is_first = number == 0 && behind.abs() <= most;
             let may_be_in = line.tmin <= most && self.may_be_in_solid(line.origin.to_array(), 0.0);
             let solid = may_be_in.then(|| self.solid_at(line.origin.to_array())).flatten();
             let Some(solid) = solid else { break };
-            let Some(way) = self.way_out(&line, surface, solid, most) else { break };
+            let way = if is_first && self.tables.record(surface.triangle).element == solid {
+                // Mostly by roundings of the very plane.
+                surface.normal * self.clear_of_edges(&line)
+            } else if let Some(way) = self.way_out(&line, surface, solid, most) {
+                way
+            } else {
+                break;
+            };
             line.origin += way;
         }
         line
+    }
+
+    /// How far before a face, metres, its edges are met no more by being beside them.
+    fn clear_of_edges(&self, line: &Line) -> f64 {
+        let [lo, hi] = self.tables.scene[0].hull.map(|corner| DVec3::from(corner).abs().max_element());
+        2.0 * ROUNDING * (line.origin.abs().max_element() + lo.max(hi))
     }
 
     /// How far, metres, the origin of a ray that goes away from a surface may be moved before it.
@@ -182,8 +196,6 @@ impl Scene {
             (out <= most && normal != DVec3::ZERO).then_some((out, normal))
         });
         let (out, normal) = ways.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
-        // Farther from the face than what its edges are met beside.
-        let [lo, hi] = tables.scene[0].hull.map(|corner| DVec3::from(corner).abs().max_element());
-        Some(normal * (out + 2.0 * ROUNDING * (line.origin.abs().max_element() + lo.max(hi))))
+        Some(normal * (out + self.clear_of_edges(line)))
     }
 }

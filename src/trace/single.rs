@@ -413,7 +413,10 @@ impl Scene {
         let onward = self.in_front(away, &line);
         let follow = |tmin: f64, probe: &mut P| {
             let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
-            let is_in_doubt = away.is_some() && self.came_through_matter(&onward, ended.found);
+            // What comes to nothing tells by nothing else that it began in matter.
+            let begins_in_matter = ended.in_matter && ended.found.triangle == NONE;
+            let is_in_doubt =
+                away.is_some() && (begins_in_matter || self.came_through_matter(&onward, ended.found));
             ended.found.t = ended.found.t.max(tmin);
             (ended, is_in_doubt)
         };

@@ -50,8 +50,8 @@ struct Arguments {
     /// Only ways whose name holds one of these.
     #[arg(long, value_name = "PART,...", value_delimiter = ',')]
     ways: Vec<String>,
-    /// Only these kinds of rays: primary, random, pairs, outside, facades, points.
-    #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = ["primary", "random", "pairs", "outside", "facades", "points"])]
+    /// Only these kinds of rays: primary, random, pairs, onward, lamps, outside, facades, points.
+    #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = ["primary", "random", "pairs", "onward", "lamps", "outside", "facades", "points"])]
     kinds: Vec<String>,
     /// Instead of times alone, time beside error of all ways on the frames, by exact arithmetic.
     #[arg(long)]

@@ -19,6 +19,13 @@ impl Way for Single {
     }
 
     fn nearest(&self, rays: &Rays, met: &mut [Met]) {
+        if !rays.hits.is_empty() {
+            for ((ray, hit), met) in rays.exact.iter().zip(&rays.hits).zip(met) {
+                let brief = self.scene.trace_brief_with(self.kernel, Start::Hit(hit), ray);
+                *met = Met { t: brief.t, triangle: brief.triangle, padding: 0 };
+            }
+            return;
+        }
         for ((ray, &cell), met) in rays.exact.iter().zip(&rays.cells).zip(met) {
             let brief = self.scene.trace_brief_with(self.kernel, Start::Cell(cell), ray);
             *met = Met { t: brief.t, triangle: brief.triangle, padding: 0 };
@@ -30,8 +37,8 @@ impl Way for Single {
         if self.kernel != Kernel::best() {
             return false;
         }
-        for ((ray, &cell), answer) in rays.exact.iter().zip(&rays.cells).zip(answers) {
-            *answer = self.scene.occluded_from(Start::Cell(cell), ray);
+        for (index, (ray, answer)) in rays.exact.iter().zip(answers).enumerate() {
+            *answer = self.scene.occluded_from(rays.start(index), ray);
         }
         true
     }
@@ -51,12 +58,12 @@ impl Way for Batch {
     fn nearest(&self, rays: &Rays, met: &mut [Met]) {
         // The same layout, and a cell in the place of the padding.
         let briefs: &mut [Brief] = bytemuck::cast_slice_mut(met);
-        let starts = Starts::Cells(&rays.cells);
-        self.pool.install(|| self.scene.trace_brief_many(starts, &rays.exact, briefs));
+        self.pool.install(|| self.scene.trace_brief_many(rays.starts(), &rays.exact, briefs));
     }
 
     fn occluded(&self, rays: &Rays, answers: &mut [bool]) -> bool {
-        self.pool.install(|| self.scene.occluded_many(&rays.exact, answers));
+        let starts = if rays.hits.is_empty() { Starts::Anywhere } else { rays.starts() };
+        self.pool.install(|| self.scene.occluded_many_of(starts, &rays.exact, answers));
         true
     }
 }

@@ -98,6 +98,8 @@ impl Report {
             ("primary", "Rays of frames, ns each"),
             ("random", "Rays from random points of rooms in random directions, ns each"),
             ("pairs", "Whether two random points of rooms see each other, ns each"),
+            ("onward", "Rays on from hits in rooms, ns each"),
+            ("lamps", "Whether a hit in a room sees a point, ns each"),
             ("outside", "Rays from eyes around a building, ns each"),
             ("facades", "Rays on from facades, ns each"),
             ("points", "Where random points lie, ns each"),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use enfilade::{Answer, Kernel, Place, Ray, Scene};
+use enfilade::{Answer, Hit, Kernel, Place, Ray, Scene, Start, Want};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -18,7 +18,8 @@ use crate::{Arguments, crates, median};
 pub struct Row {
     pub scene: String,
     /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
-    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `facades`: on from what those meet; `points`: where random points lie.
+    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `facades`: on from what those meet; `onward`: on from what `random` ones
+    /// meet; `lamps`: whether what those meet sees random points of rooms; `points`: where random points lie.
     pub rays: &'static str,
     pub way: String,
     pub count: usize,
@@ -140,6 +141,41 @@ fn facades(scene: &Scene, count: usize) -> Rays {
     Rays::new(scene, rays, cells)
 }
 
+/// On from hits: what random rays meet in rooms.
+fn onward(scene: &Scene, count: usize, to_lamps: bool) -> Rays {
+    let rooms: Vec<[[f64; 3]; 2]> = scene.rooms().filter(|r| r.is_closed()).map(|r| r.bounds()).collect();
+    let mut numbers = Random(15 + u64::from(to_lamps));
+    let (mut rays, mut hits) = (Vec::with_capacity(count), Vec::<Hit>::with_capacity(count));
+    while rays.len() < count {
+        let (from, cell) = numbers.point(scene, &rooms);
+        let ray = Ray::new(from, numbers.direction().to_array());
+        let hit = scene.trace_from(Start::Cell(cell), &ray, Want::default());
+        if !hit.t.is_finite() {
+            continue;
+        }
+        let (at, normal) = (DVec3::from(hit.point), DVec3::from(hit.normal));
+        if to_lamps {
+            // To a point of its room, mostly: that from which it was met, or another.
+            let (far, _) = numbers.point(scene, &rooms);
+            let to = if numbers.next() < 0.5 { from } else { far };
+            let way = DVec3::from(to) - at;
+            if way.dot(normal) <= 0.0 {
+                continue;
+            }
+            rays.push(Ray::segment(hit.point, way.normalize().to_array(), 0.0, way.length()));
+        } else {
+            // As a matt surface scatters.
+            let way = normal + numbers.direction();
+            if way.length() < 1e-3 {
+                continue;
+            }
+            rays.push(Ray::new(hit.point, way.normalize().to_array()));
+        }
+        hits.push(hit);
+    }
+    Rays::onward(scene, rays, hits)
+}
+
 fn ways(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Arguments) -> Vec<Box<dyn Way>> {
     let scene = &measured.scene;
     let mut ways: Vec<Box<dyn Way>> = Vec::new();
@@ -198,7 +234,15 @@ pub fn run(measured: &Measured, embree: Option<&Arc<Embree>>, arguments: &Argume
         rows.extend(nearest(&measured.name, "random", &ways, &scattered, arguments.repeat));
     }
     if is_asked("pairs") {
-        rows.extend(occluded(&measured.name, &ways, &pairs, arguments.repeat));
+        rows.extend(occluded(&measured.name, "pairs", &ways, &pairs, arguments.repeat));
+    }
+    if is_asked("onward") {
+        let rays = [onward(scene, arguments.random, false)];
+        rows.extend(nearest(&measured.name, "onward", &ways, &rays, arguments.repeat));
+    }
+    if is_asked("lamps") {
+        let rays = onward(scene, arguments.random, true);
+        rows.extend(occluded(&measured.name, "lamps", &ways, &rays, arguments.repeat));
     }
     for (kind, make) in [("outside", outside as fn(&Scene, usize) -> Rays), ("facades", facades)] {
         if is_asked(kind) {
@@ -294,7 +338,7 @@ fn nearest(
     if count == 0 { Vec::new() } else { (0..ways.len()).map(row).collect() }
 }
 
-fn occluded(scene: &str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
+fn occluded(scene: &str, kind: &'static str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
     let mut answers = vec![vec![false; pairs.len()]; ways.len()];
     let mut times = vec![Vec::new(); ways.len()];
     let first = pairs.first();
@@ -314,7 +358,7 @@ fn occluded(scene: &str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> 
         }
         rows.push(Row {
             scene: scene.to_owned(),
-            rays: "pairs",
+            rays: kind,
             way: way.name(),
             count: pairs.len(),
             ns_per_ray: median(&mut times[i]) * 1e9 / pairs.len() as f64,

@@ -1,7 +1,7 @@
 //! What is compared: ways to answer the same rays.
 
 use bytemuck::{Pod, Zeroable};
-use enfilade::{Ray, Scene};
+use enfilade::{Hit, Ray, Scene, Start, Starts};
 use glam::DVec3;
 
 /// A ray as the peers take it: f32, relative to the middle of the scene.
@@ -19,13 +19,35 @@ pub struct Rays {
     /// In f64, and the cell of the air in which each starts.
     pub exact: Vec<Ray>,
     pub cells: Vec<u32>,
+    /// The hits from which they go on; none, if they start in the air.
+    pub hits: Vec<Hit>,
     pub singles: Vec<Single>,
 }
+
+/// Nearer than this, metres, peers meet nothing of rays that go on from a hit: mostly that would be what they start on.
+const NEAR: f32 = 1e-4;
 
 impl Rays {
     pub fn new(scene: &Scene, exact: Vec<Ray>, cells: Vec<u32>) -> Rays {
         let Rays { singles, .. } = Rays::rounded(scene, &exact);
-        Rays { exact, cells, singles }
+        Rays { exact, cells, hits: Vec::new(), singles }
+    }
+
+    /// Rays that go on from hits.
+    pub fn onward(scene: &Scene, exact: Vec<Ray>, hits: Vec<Hit>) -> Rays {
+        let Rays { mut singles, .. } = Rays::rounded(scene, &exact);
+        singles.iter_mut().for_each(|single| single.tmin = NEAR);
+        Rays { exact, cells: hits.iter().map(|hit| hit.cell).collect(), hits, singles }
+    }
+
+    /// Where a ray starts, as far as it is known.
+    pub fn start(&self, index: usize) -> Start<'_> {
+        self.hits.get(index).map_or_else(|| Start::Cell(self.cells[index]), Start::Hit)
+    }
+
+    /// The same of all.
+    pub fn starts(&self) -> Starts<'_> {
+        if self.hits.is_empty() { Starts::Cells(&self.cells) } else { Starts::Hits(&self.hits) }
     }
 
     /// In f32 only.
@@ -40,7 +62,8 @@ impl Rays {
                 tmax: ray.tmax as f32,
             }
         };
-        Rays { exact: Vec::new(), cells: Vec::new(), singles: exact.iter().map(single).collect() }
+        let singles = exact.iter().map(single).collect();
+        Rays { exact: Vec::new(), cells: Vec::new(), hits: Vec::new(), singles }
     }
 
     pub fn len(&self) -> usize {
@@ -53,6 +76,7 @@ impl Rays {
         Rays {
             exact: self.exact[..count].to_vec(),
             cells: self.cells[..count].to_vec(),
+            hits: self.hits[..count.min(self.hits.len())].to_vec(),
             singles: self.singles[..count].to_vec(),
         }
     }

@@ -47,6 +47,10 @@ pub(super) const COARSEST: u32 = 15;
 /// Where a ray runs at a plane more along it than this, its sine, rounding moves what it meets too far.
 pub(super) const GRAZING: f64 = 1.0 / 64.0;
 
+/// A ray away from a surface is left to `cells` if it runs more along it than this, its sine: what it starts on is off its plane by roundings, and what
+/// cells are rounded by turns their faces.
+const SKIMMING: f64 = 1.0 / 1024.0;
+
 /// A ray from a surface is left to `cells` if it meets anything nearer than this, metres: more than cells are blurred, so that what it
 /// starts on, and what meets that there, is not asked about.
 const FROM_SURFACE: f64 = 4.0 * BLURRED;
@@ -191,7 +195,7 @@ impl<'a> Way<'a> {
     ) -> Option<Self> {
         let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
         // Away from it, and not along it.
-        let is_away = way.direction.dot(surface.normal) >= GRAZING && way.starts_beside::<L>(cell)?;
+        let is_away = way.direction.dot(surface.normal) >= SKIMMING && way.starts_beside::<L>(cell)?;
         is_away.then_some(way)
     }
 
@@ -217,21 +221,23 @@ impl<'a> Way<'a> {
         (quick.found.triangle == NONE || is_clear).then_some(quick)
     }
 
-    /// Whether the ray starts in a simple prism, or beside one face of it: where it starts beside more, what stands behind one of them
+    /// Whether the ray starts in a prism of air, or beside one face of it: where it starts beside more, what stands behind one of them
     /// may come before another by what cells are blurred.
     #[inline(always)]
     fn starts_beside<L: Lanes>(&self, cell: u32) -> Option<bool> {
         let (step, record) = (self.tables.steps.get(cell as usize)?, self.tables.cells.get(cell as usize)?);
-        if !step.is_some() {
-            return None;
-        }
-        let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
-        let edges = (1u32 << step.corners) - 1;
         let rounding = f64::from(self.rounding);
-        let mut beside = (edges & !beyond(inward, size, 2.0 * BLURRED + rounding)).count_ones();
+        let near = 2.0 * BLURRED + rounding;
         // In small models another cell may be as near as cells are blurred.
         let out = BLURRED.min(self.tables.scene[0].tolerance.max(2.0 * rounding));
-        let mut is_in = beyond(inward, size, rounding - out) & edges == edges;
+        let (mut beside, mut is_in) = if step.is_some() {
+            let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
+            let edges = (1u32 << step.corners) - 1;
+            let beside = (edges & !beyond(inward, size, near)).count_ones();
+            (beside, beyond(inward, size, rounding - out) & edges == edges)
+        } else {
+            Prisms::new(self.tables).edges_beside(record, [self.from.x, self.from.y], near, out)?
+        };
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
             let [p, q] = self.tables.planes[plane as usize].slope;
             let (within, tilt) = (self.over(plane).0 * up, 1.0 + p.abs() + q.abs());

@@ -145,7 +145,7 @@ fn rays(scene: &Scene, camera: &Camera, size: u32) -> Rays {
 /// The first of the rays, to run before the clock does.
 fn first(rays: &Rays) -> Rays {
     let count = rays.singles.len() / 8;
-    Rays { exact: Vec::new(), cells: Vec::new(), singles: rays.singles[..count].to_vec() }
+    Rays { exact: Vec::new(), cells: Vec::new(), hits: Vec::new(), singles: rays.singles[..count].to_vec() }
 }
 
 /// Seconds that something takes.
