@@ -661,4 +661,13 @@ fn a_ray_on_from_a_hit_asks_no_cell_that_is_only_near() {
 fn a_ray_from_a_wall_between_another_and_a_ceiling_escaped_through_these() {
     seeded(1178, "house-damaged", Family::Surfaces, 4620);
     seeded(1178, "house-damaged", Family::AlongEdges, 5732);
+    // Nothing, and its start in no doubt after all.
+    seeded(1181, "scaled-1e-3", Family::Edges, 424);
+}
+
+#[test]
+fn a_ray_within_an_open_wall_went_through_its_other_side() {
+    for index in [5296, 5872, 9132] {
+        seeded(1184, "house-damaged", Family::Borders, index);
+    }
 }

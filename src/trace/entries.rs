@@ -40,6 +40,17 @@ pub(super) trait Entries: Lanes {
         count: &mut C,
     ) -> Option<Quick>;
 
+    /// The same of a ray that starts on a surface.
+    fn onward_from<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        surface: &Surface,
+        cell: u32,
+        exit: Exit,
+        count: &mut C,
+    ) -> Option<Quick>;
+
     /// What a ray meets of a hierarchy between two places along it.
     fn detail<C: Count>(
         ask: Ask,
@@ -88,6 +99,19 @@ impl Entries for Portable {
         count: &mut C,
     ) -> Option<Quick> {
         quick::onward::<Portable, C>(ask, tables, ray, cell, exit, count)
+    }
+
+    #[inline(never)]
+    fn onward_from<C: Count>(
+        ask: Ask,
+        tables: &Views,
+        ray: &Ray,
+        surface: &Surface,
+        cell: u32,
+        exit: Exit,
+        count: &mut C,
+    ) -> Option<Quick> {
+        quick::onward_from::<Portable, C>(ask, tables, ray, surface, cell, exit, count)
     }
 
     #[inline(never)]
@@ -269,6 +293,20 @@ macro_rules! entries {
 
         #[target_feature(enable = $features)]
         #[inline(never)]
+        fn onward_from_here<C: Count>(
+            ask: Ask,
+            tables: &Views,
+            ray: &Ray,
+            surface: &Surface,
+            cell: u32,
+            exit: Exit,
+            count: &mut C,
+        ) -> Option<Quick> {
+            quick::onward_from::<$lanes, C>(ask, tables, ray, surface, cell, exit, count)
+        }
+
+        #[target_feature(enable = $features)]
+        #[inline(never)]
         fn detail_here<C: Count>(
             ask: Ask,
             tables: &Views,
@@ -323,6 +361,20 @@ macro_rules! entries {
             ) -> Option<Quick> {
                 // SAFETY: as in `leave`.
                 unsafe { onward_here(ask, tables, ray, cell, exit, count) }
+            }
+
+            #[inline(always)]
+            fn onward_from<C: Count>(
+                ask: Ask,
+                tables: &Views,
+                ray: &Ray,
+                surface: &Surface,
+                cell: u32,
+                exit: Exit,
+                count: &mut C,
+            ) -> Option<Quick> {
+                // SAFETY: as in `leave`.
+                unsafe { onward_from_here(ask, tables, ray, surface, cell, exit, count) }
             }
 
             #[inline(always)]

@@ -37,24 +37,31 @@ pub(super) fn is_at_start(line: &Line, t: f64) -> bool {
     t <= line.tmin + NEAR * aside(line.origin + line.direction * line.tmin)
 }
 
-/// The parallel ray that meets the nearest point of a triangle's sides, if a ray passes that triangle.
-fn beside(line: &Line, corners: &[DVec3; 3]) -> Option<Line> {
-    // As the ray sees them.
+/// A triangle's sides as a ray sees them: from its line to their ends.
+fn sides(line: &Line, corners: &[DVec3; 3]) -> [(DVec3, DVec3); 3] {
     let across = corners.map(|corner| (corner - line.origin).reject_from_normalized(line.direction));
-    let sides = [0, 1, 2].map(|i| (across[i], across[(i + 1) % 3]));
-    let turns = sides.map(|(from, to)| from.cross(to).dot(line.direction));
-    if turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0) {
-        return None;
-    }
+    [0, 1, 2].map(|i| (across[i], across[(i + 1) % 3]))
+}
+
+/// The way from the ray to the nearest of these sides.
+fn way_to_nearest(sides: &[(DVec3, DVec3); 3]) -> Option<DVec3> {
     let nearest = sides.map(|(from, to)| {
         let way = to - from;
         let share = -from.dot(way) / way.length_squared();
         // A side that is a point has no share.
         from + way * if share > 0.0 { share.min(1.0) } else { 0.0 }
     });
-    let way =
-        nearest.into_iter().min_by(|one, other| one.length_squared().total_cmp(&other.length_squared()))?;
-    Some(Line { origin: line.origin + way, ..*line })
+    nearest.into_iter().min_by(|one, other| one.length_squared().total_cmp(&other.length_squared()))
+}
+
+/// The parallel ray that meets the nearest point of a triangle's sides, if a ray passes that triangle.
+fn beside(line: &Line, corners: &[DVec3; 3]) -> Option<Line> {
+    let sides = sides(line, corners);
+    let turns = sides.map(|(from, to)| from.cross(to).dot(line.direction));
+    if turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0) {
+        return None;
+    }
+    Some(Line { origin: line.origin + way_to_nearest(&sides)?, ..*line })
 }
 
 impl Scene {
@@ -103,6 +110,13 @@ impl Scene {
     /// Whether a ray that goes away from a surface came to what it met through matter: rounding has put its origin there, or so near that it passes an edge.
     pub(super) fn came_through_matter(&self, line: &Line, found: Found) -> bool {
         self.is_back(line, found) || self.comes_through_solids(line, found)
+    }
+
+    /// Whether a ray passes a side of the triangle that it met no farther than its origin may have been moved from the surface on which it starts.
+    pub(super) fn is_at_side(&self, surface: &Surface, line: &Line, found: Found) -> bool {
+        let sides = sides(line, &Walk::new(&self.tables).corners(found.triangle));
+        let far = way_to_nearest(&sides).map_or(0.0, DVec3::length);
+        far <= self.most_before(surface, line).max(aside(line.origin + line.direction * found.t))
     }
 
     /// Whether a ray that goes on from a surface came to the back of a closed solid, as no ray from the air does: rounding has put its origin into that, or so near

@@ -370,7 +370,7 @@ impl<'a> Prisms<'a> {
             if number > 0 {
                 let (inward, size) = (ex * (y - ay) - ey * (x - ax), ex.abs() + ey.abs());
                 let turns = before[0] * ey != before[1] * ex;
-                beside += u32::from(turns && !(inward >= near * size));
+                beside += u32::from(turns && inward < near * size);
                 is_in &= inward >= -out * size;
             }
             (ax, ay, before) = (bx, by, [ex, ey]);

@@ -441,7 +441,10 @@ impl Scene {
                     followed = Some(again(&line, probe));
                 }
                 Begin::At(_) => {
-                    if let Some(first) = first
+                    // What it meets by more than that it does meet, be it the back of a solid: of one that two parts of it lie in each other in.
+                    if let (Some(first), Some(away)) = (first, away)
+                        && first.triangle != NONE
+                        && self.is_at_side(away, &onward, first)
                         && self.comes_by_air(&onward, first.t)
                     {
                         followed = Some(self.past_edge(&onward, surface.as_ref(), first, probe));

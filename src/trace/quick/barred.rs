@@ -36,13 +36,13 @@ pub(in crate::trace) fn barred_from<L: Entries>(
     cell: u32,
     surface: &Surface,
 ) -> Option<bool> {
-    let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
+    let way = Way::from_surface(tables, ray, surface)?;
     let exit = way.leave_surface::<L>(cell)?;
     if way.is_walled::<L>(cell, exit, FROM_SURFACE) {
         return Some(true);
     }
-    let quick = way.onward_clear::<L>(Ask::Any, cell, exit, &mut ())?;
-    Some(quick.found.triangle != NONE)
+    let quick = L::onward_from(Ask::Any, tables, ray, surface, cell, exit, &mut ())?;
+    way.clear(quick).map(|quick| quick.found.triangle != NONE)
 }
 
 /// Whether a ray that leaves a cell at `exit` is barred by a wall, as far as there is no doubt.

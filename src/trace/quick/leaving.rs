@@ -74,6 +74,12 @@ impl Exit {
         (self.by < ANY).then_some(self.by as usize)
     }
 
+    /// Whether it comes to a plain face of matter.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.link & Step::PLATE != 0 && self.link < Step::ROUGH
+    }
+
     /// At a place that is told, through a side of a prism that is not simple, after the last its floor or its ceiling.
     fn at(t: f64, link: u32, side: usize) -> Exit {
         Exit { t, link, by: ANY | side as u32 }
@@ -90,6 +96,17 @@ impl Exit {
     pub(in crate::trace) fn at_most(&self) -> f64 {
         self.t
     }
+}
+
+/// Where a ray is that leaves a prism.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Begins {
+    /// It starts within it.
+    Within,
+    /// It starts on a surface within it, or on one of its faces: beside no more than one of these.
+    BesideFace,
+    /// It came into it.
+    Elsewhere,
 }
 
 /// An edge of a footprint.
@@ -183,7 +200,26 @@ impl Way<'_> {
         if !step.is_level() {
             return self.otherwise::<L>(cell, EXACT, starts);
         }
-        let crossing = self.crossing::<L>(step, starts);
+        let begins = if starts { Begins::Within } else { Begins::Elsewhere };
+        self.through::<L>(cell, self.crossing::<L>(step, begins))
+    }
+
+    /// The same of a ray that starts on a surface within a prism of air, or on one of its faces.
+    #[inline(always)]
+    pub(super) fn leave_from_face<L: Entries>(&self, cell: u32) -> Exit {
+        let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
+        if step.is_level() {
+            self.through::<L>(cell, self.crossing::<L>(step, Begins::BesideFace))
+        } else if self.starts_beside::<L>(cell) == Some(true) {
+            self.otherwise::<L>(cell, EXACT, false)
+        } else {
+            Exit::NONE
+        }
+    }
+
+    /// Where what f32 says of the way out of a simple and level prism leads.
+    #[inline(always)]
+    fn through<L: Entries>(&self, cell: u32, crossing: Crossing) -> Exit {
         let exit = crossing.exit;
         if crossing.is_clear && !is_split(exit.link) && exit.link != Step::PARTS {
             return exit;
@@ -200,7 +236,7 @@ impl Way<'_> {
         }
         // Neither the link of an edge, a floor or a ceiling nor that of a part of a split edge tells.
         if crossing.is_within || crossing.is_clear {
-            return self.otherwise::<L>(cell, exit.by, starts);
+            return self.otherwise::<L>(cell, exit.by, false);
         }
         Exit::NONE
     }
@@ -245,15 +281,17 @@ impl Way<'_> {
     /// Where the ray leaves a simple prism, as far as f32 tells. Whether through an edge is left to a processor's guess: it foresees that of rays
     /// that go similar ways, and what follows need not wait.
     #[inline(always)]
-    fn crossing<L: Lanes>(&self, step: &Step, starts: bool) -> Crossing {
+    fn crossing<L: Lanes>(&self, step: &Step, begins: Begins) -> Crossing {
         let [fx, fy, fz] = [self.from.x as f32, self.from.y as f32, self.from.z as f32];
         let [ax, ay, az] = [self.along.x as f32, self.along.y as f32, self.along.z as f32];
         let margin = BLURRED as f32 + self.rounding;
         let Footprint { index, right, left, inward, across, size, t, slant, mut is_there } =
-            self.footprint::<L>(step, starts);
+            self.footprint::<L>(step, begins == Begins::Within);
         let [floor, ceiling] = step.height;
-        if starts {
-            is_there &= (fz >= floor) & (fz <= ceiling);
+        match begins {
+            Begins::Within => is_there &= (fz >= floor) & (fz <= ceiling),
+            Begins::BesideFace => is_there &= self.is_beside_one(inward, size, [fz - floor, ceiling - fz]),
+            Begins::Elsewhere => {}
         }
         // Its height where it leaves the footprint, beside how far that of one aside is from there.
         let height = fz + t * az;
@@ -279,6 +317,22 @@ impl Way<'_> {
         let exit = Exit::about(t, self.rounding * tilt, step.links[by], by);
         let (spot, margin) = ([fx + t * ax, fy + t * ay], margin * tilt);
         Crossing { exit, passage, spot, margin, is_within, is_clear }
+    }
+
+    /// Whether the ray starts in a simple and level prism beside one face at most, as [`Way::starts_beside`] has it: by how far it is within edges, times
+    /// their size, and floor and ceiling.
+    #[inline(always)]
+    fn is_beside_one<L: Lanes>(&self, inward: L, size: L, heights: [f32; 2]) -> bool {
+        let margins = self.beside();
+        let [near, out] = [margins[0] as f32 + self.rounding, self.rounding - margins[1] as f32];
+        // Lanes without an edge have no size.
+        let mut beside = (!L::bits(size.mul(L::splat(near)).le(inward)) & 0xff).count_ones();
+        let mut is_in = L::bits(size.mul(L::splat(out)).le(inward)) == 0xff;
+        for height in heights {
+            beside += u32::from(!(height >= near));
+            is_in &= height >= out;
+        }
+        is_in & (beside <= 1)
     }
 
     /// Where the ray leaves the cell, to rounding of f64.

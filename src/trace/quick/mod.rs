@@ -96,21 +96,10 @@ pub(super) fn quick<L: Entries, C: Count>(
     let way = Way::new(tables, ray)?;
     let exit = way.leave::<L>(cell, true);
     // Most end in the cell in which they start. Others are looked at elsewhere, so that nothing is kept for that.
-    if exit.link & Step::PLATE == 0 || exit.link >= Step::ROUGH {
+    if !exit.is_plain() {
         return L::onward(Ask::First, tables, ray, cell, exit, count);
     }
-    count.cell();
-    count.plain();
-    let mut source = exit.link & !Step::PLATE;
-    let mut end = way.plate(source)?;
-    let (root, until) = (way.root(cell), way.until(end.t));
-    if let Some(opened) = way.may_meet::<L>(root, until, count) {
-        let found = way.detail::<L>(Ask::First, &opened, (0.0, until), count);
-        if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
-            (end, source) = (found, NONE);
-        }
-    }
-    Some(way.met(cell, end, source))
+    way.at_plate::<L>(cell, exit, count)
 }
 
 /// Where a ray leaves a prism of air, in which it starts, or which it came into.
@@ -141,9 +130,28 @@ pub(super) fn quick_from<L: Entries, C: Count>(
     surface: &Surface,
     count: &mut C,
 ) -> Option<Quick> {
-    let way = Way::from_surface::<L>(tables, ray, cell, surface)?;
+    let way = Way::from_surface(tables, ray, surface)?;
     let exit = way.leave_surface::<L>(cell)?;
-    way.onward_clear::<L>(Ask::First, cell, exit, count)
+    let quick = if exit.is_plain() {
+        way.at_plate::<L>(cell, exit, count)?
+    } else {
+        L::onward_from(Ask::First, tables, ray, surface, cell, exit, count)?
+    };
+    way.clear(quick)
+}
+
+/// As [`onward`], of a ray that starts on a surface.
+#[inline(always)]
+pub(super) fn onward_from<L: Entries, C: Count>(
+    ask: Ask,
+    tables: &Views,
+    ray: &Ray,
+    surface: &Surface,
+    cell: u32,
+    exit: Exit,
+    count: &mut C,
+) -> Option<Quick> {
+    Way { surface: Some(surface), ..Way::new(tables, ray)? }.onward::<L>(ask, cell, exit, count)
 }
 
 /// A ray under way. What is seldom asked of it is not told where it is, but works it out anew: so that it stays in registers.
@@ -187,38 +195,54 @@ impl<'a> Way<'a> {
 
     /// A ray away from a surface that it starts on, and beside no other of the cell's; `None` in doubt.
     #[inline(always)]
-    fn from_surface<L: Lanes>(
-        tables: &'a Views,
-        ray: &'a Ray,
-        cell: u32,
-        surface: &'a Surface,
-    ) -> Option<Self> {
+    fn from_surface(tables: &'a Views, ray: &'a Ray, surface: &'a Surface) -> Option<Self> {
         let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
         // Away from it, and not along it.
-        let is_away = way.direction.dot(surface.normal) >= SKIMMING && way.starts_beside::<L>(cell)?;
-        is_away.then_some(way)
+        (way.direction.dot(surface.normal) >= SKIMMING).then_some(way)
     }
 
-    /// Where it leaves the cell, if that is not beside the surface.
+    /// Where it leaves the cell, if it starts beside no other face of that, and does not leave it beside the surface.
     #[inline(always)]
     fn leave_surface<L: Entries>(&self, cell: u32) -> Option<Exit> {
-        let exit = self.leave::<L>(cell, false);
-        (exit.exact_of(self.tables, self.ray, cell) >= FROM_SURFACE).then_some(exit)
+        /// What is said to be no nearer than this, metres, in f32, is not beside it.
+        const FAR: f64 = 0.25;
+        let exit = self.leave_from_face::<L>(cell);
+        let is_far = exit.at_most() >= FAR && exit.by().is_some();
+        (is_far || exit.exact_of(self.tables, self.ray, cell) >= FROM_SURFACE).then_some(exit)
     }
 
-    /// What it meets from a cell on, which it leaves at `exit`, if nothing near the surface.
+    /// What it meets, if that is nothing near the surface.
     #[inline(always)]
-    fn onward_clear<L: Entries>(
-        &self,
-        ask: Ask,
-        cell: u32,
-        exit: Exit,
-        count: &mut impl Count,
-    ) -> Option<Quick> {
-        let quick = self.onward::<L>(ask, cell, exit, count)?;
+    fn clear(&self, quick: Quick) -> Option<Quick> {
         let is_same = self.surface.is_some_and(|surface| quick.found.triangle == surface.triangle);
         let is_clear = quick.found.t >= FROM_SURFACE && !is_same;
         (quick.found.triangle == NONE || is_clear).then_some(quick)
+    }
+
+    /// What the ray meets that leaves the cell in which it starts at `exit`, if that is through a plain face. `None` where there is doubt, and through what else it
+    /// leaves.
+    #[inline(always)]
+    fn at_plate<L: Entries>(&self, cell: u32, exit: Exit, count: &mut impl Count) -> Option<Quick> {
+        count.cell();
+        count.plain();
+        let mut source = exit.link & !Step::PLATE;
+        let mut end = self.plate(source)?;
+        let (root, until) = (self.root(cell), self.until(end.t));
+        if let Some(opened) = self.may_meet::<L>(root, until, count) {
+            let found = self.detail::<L>(Ask::First, &opened, (0.0, until), count);
+            if found.triangle != NONE && (found.t, found.triangle) < (end.t, end.triangle) {
+                (end, source) = (found, NONE);
+            }
+        }
+        Some(self.met(cell, end, source))
+    }
+
+    /// Nearer to a face than the first of these, metres, it starts beside that, farther behind it than the second not in the cell.
+    #[inline(always)]
+    fn beside(&self) -> [f64; 2] {
+        // In small models another cell may be as near as cells are blurred.
+        let out = BLURRED.min(self.tables.scene[0].tolerance.max(2.0 * f64::from(self.rounding)));
+        [2.0 * BLURRED, out]
     }
 
     /// Whether the ray starts in a prism of air, or beside one face of it: where it starts beside more, what stands behind one of them
@@ -226,22 +250,20 @@ impl<'a> Way<'a> {
     #[inline(always)]
     fn starts_beside<L: Lanes>(&self, cell: u32) -> Option<bool> {
         let (step, record) = (self.tables.steps.get(cell as usize)?, self.tables.cells.get(cell as usize)?);
-        let rounding = f64::from(self.rounding);
-        let near = 2.0 * BLURRED + rounding;
-        // In small models another cell may be as near as cells are blurred.
-        let out = BLURRED.min(self.tables.scene[0].tolerance.max(2.0 * rounding));
+        let ([near, out], rounding) = (self.beside(), f64::from(self.rounding));
         let (mut beside, mut is_in) = if step.is_some() {
             let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
             let edges = (1u32 << step.corners) - 1;
-            let beside = (edges & !beyond(inward, size, near)).count_ones();
+            let beside = (edges & !beyond(inward, size, near + rounding)).count_ones();
             (beside, beyond(inward, size, rounding - out) & edges == edges)
         } else {
-            Prisms::new(self.tables).edges_beside(record, [self.from.x, self.from.y], near, out)?
+            let at = [self.from.x, self.from.y];
+            Prisms::new(self.tables).edges_beside(record, at, near + rounding, out)?
         };
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
             let [p, q] = self.tables.planes[plane as usize].slope;
             let (within, tilt) = (self.over(plane).0 * up, 1.0 + p.abs() + q.abs());
-            beside += u32::from(!(within >= 2.0 * BLURRED * tilt));
+            beside += u32::from(!(within >= near * tilt));
             is_in &= within >= -out * tilt;
         }
         Some(is_in && beside <= 1)
