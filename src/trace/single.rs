@@ -86,6 +86,9 @@ impl Scene {
     /// [`Answer::InSolid`] if it starts inside a solid, unless it leaves it within the tolerance: an origin on a
     /// surface counts as on the air side that the direction enters. A ray that is none ([`Ray::is_valid`]) escapes.
     ///
+    /// What is no solid (furniture, a door's leaf, a pane) has no inside: from a point on its surface, as f64 rounds that, it may be met
+    /// at once. A ray that goes on from a hit does not meet what it starts on ([`Start::Hit`]), nor does one with a [`Ray::tmin`].
+    ///
     /// ```no_run
     /// use enfilade::{Answer, Ray, Scene};
     ///
