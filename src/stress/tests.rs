@@ -661,7 +661,10 @@ fn a_ray_on_from_a_hit_asks_no_cell_that_is_only_near() {
 fn a_ray_from_a_wall_between_another_and_a_ceiling_escaped_through_these() {
     seeded(1178, "house-damaged", Family::Surfaces, 4620);
     seeded(1178, "house-damaged", Family::AlongEdges, 5732);
-    // Nothing, and its start in no doubt after all.
+}
+
+#[test]
+fn a_ray_that_met_nothing_was_looked_for_at_the_edge_of_that() {
     seeded(1181, "scaled-1e-3", Family::Edges, 424);
 }
 

@@ -33,7 +33,7 @@ pub enum Starts<'a> {
     Cell(u32),
     /// In the air: the i-th ray of the i-th cell, as [`Start::Cell`].
     Cells(&'a [u32]),
-    /// On a surface: the i-th ray of the i-th hit, as [`Start::Hit`]. With [`Starts::Anywhere`] such a ray takes as long as seven to twelve others:
+    /// On a surface: the i-th ray of the i-th hit, as [`Start::Hit`]. With [`Starts::Anywhere`] such a ray takes as long as eight to twelve others:
     /// in which air a point on a surface is has to be found out.
     Hits(&'a [Hit]),
 }

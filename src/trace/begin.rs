@@ -47,7 +47,7 @@ pub(super) const ASIDE: [DVec3; 7] = [
 ];
 
 /// Each of some ways, and the other way.
-fn both_ways(ways: &[DVec3]) -> impl Iterator<Item = DVec3> {
+pub(super) fn both_ways(ways: &[DVec3]) -> impl Iterator<Item = DVec3> {
     ways.iter().flat_map(|&way| [way, -way])
 }
 

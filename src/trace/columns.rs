@@ -20,7 +20,7 @@ impl Columns {
         Columns(tables.volumes.iter().map(|_| OnceLock::new()).collect())
     }
 
-    /// Calls `each` with the corners of all triangles of volume `index` that the vertical line through a point may cross, and perhaps of others.
+    /// The corners of all triangles of volume `index` that the vertical line through a point may cross, and perhaps of others.
     #[inline]
     pub(super) fn over<'a>(
         &'a self,

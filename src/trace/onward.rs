@@ -4,7 +4,7 @@ use enfilade_importers::Role;
 use glam::DVec3;
 
 use super::NONE;
-use super::begin::{ASIDE, aside};
+use super::begin::{ASIDE, aside, both_ways};
 use super::cells::among_all;
 use super::kernel::{Ask, Plain};
 use super::single::Line;
@@ -44,14 +44,16 @@ fn sides(line: &Line, corners: &[DVec3; 3]) -> [(DVec3, DVec3); 3] {
 }
 
 /// The way from the ray to the nearest of these sides.
-fn way_to_nearest(sides: &[(DVec3, DVec3); 3]) -> Option<DVec3> {
-    let nearest = sides.map(|(from, to)| {
+fn way_to_nearest(sides: &[(DVec3, DVec3); 3]) -> DVec3 {
+    let [first, second, third] = sides.map(|(from, to)| {
         let way = to - from;
         let share = -from.dot(way) / way.length_squared();
         // A side that is a point has no share.
         from + way * if share > 0.0 { share.min(1.0) } else { 0.0 }
     });
-    nearest.into_iter().min_by(|one, other| one.length_squared().total_cmp(&other.length_squared()))
+    let nearer =
+        |one: DVec3, other: DVec3| if other.length_squared() < one.length_squared() { other } else { one };
+    nearer(nearer(first, second), third)
 }
 
 /// The parallel ray that meets the nearest point of a triangle's sides, if a ray passes that triangle.
@@ -61,7 +63,7 @@ fn beside(line: &Line, corners: &[DVec3; 3]) -> Option<Line> {
     if turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0) {
         return None;
     }
-    Some(Line { origin: line.origin + way_to_nearest(&sides)?, ..*line })
+    Some(Line { origin: line.origin + way_to_nearest(&sides), ..*line })
 }
 
 impl Scene {
@@ -78,12 +80,13 @@ impl Scene {
             if behind > 0.0 && behind <= most {
                 line.origin += surface.normal * behind;
             }
-            let is_first = number == 0 && behind.abs() <= most;
+            // On the surface by now, or no farther before it than roundings put it.
+            let is_on_surface = number == 0 && behind <= most && -behind <= surface.near;
             let may_be_in = line.tmin <= most && self.may_be_in_solid(line.origin.to_array(), 0.0);
             let solid = may_be_in.then(|| self.solid_at(line.origin.to_array())).flatten();
             let Some(solid) = solid else { break };
-            let way = if is_first && self.tables.record(surface.triangle).element == solid {
-                // Mostly by roundings of the very plane.
+            let way = if is_on_surface && self.tables.record(surface.triangle).element == solid {
+                // In the solid of that very surface, by roundings: out across it, without a search.
                 surface.normal * self.clear_of_edges(&line)
             } else if let Some(way) = self.way_out(&line, surface, solid, most) {
                 way
@@ -95,7 +98,7 @@ impl Scene {
         line
     }
 
-    /// How far before a face, metres, its edges are met no more by being beside them.
+    /// How far before a face, metres, a ray starts so that it does not meet its edges for passing beside them.
     fn clear_of_edges(&self, line: &Line) -> f64 {
         let [lo, hi] = self.tables.scene[0].hull.map(|corner| DVec3::from(corner).abs().max_element());
         2.0 * ROUNDING * (line.origin.abs().max_element() + lo.max(hi))
@@ -112,10 +115,11 @@ impl Scene {
         self.is_back(line, found) || self.comes_through_solids(line, found)
     }
 
-    /// Whether a ray passes a side of the triangle that it met no farther than its origin may have been moved from the surface on which it starts.
+    /// Whether a ray passes a side of the triangle that it met no farther than its origin may have been moved from the surface on which it starts. That
+    /// side may be one within a face, where another triangle of it goes on.
     pub(super) fn is_at_side(&self, surface: &Surface, line: &Line, found: Found) -> bool {
         let sides = sides(line, &Walk::new(&self.tables).corners(found.triangle));
-        let far = way_to_nearest(&sides).map_or(0.0, DVec3::length);
+        let far = way_to_nearest(&sides).length();
         far <= self.most_before(surface, line).max(aside(line.origin + line.direction * found.t))
     }
 
@@ -190,7 +194,7 @@ impl Scene {
         let is_wanted = |triangle: u32| {
             tables.record(triangle).element == solid && out_across(triangle).1.dot(surface.normal) > OPPOSITE
         };
-        let ways = ASIDE.iter().flat_map(|&way| [way, -way]).filter_map(|way| {
+        let ways = both_ways(&ASIDE).filter_map(|way| {
             // No plane is along all of these.
             let mut probing =
                 Line { direction: way.normalize(), tmin: 0.0, tmax: 4.0 * most, start: 0.0, ..*line };

@@ -345,39 +345,6 @@ impl<'a> Prisms<'a> {
         self.is_beside(cell, point, margin, |source, flags| source != NONE && flags & PLAIN == 0)
     }
 
-    /// Of how many edges of a prism of air a point of the plan is no farther within than `near`, and whether it is of none farther out than `out`; `None`
-    /// of what is no such prism.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn edges_beside(
-        &self,
-        cell: &CellRecord,
-        [x, y]: [f64; 2],
-        near: f64,
-        out: f64,
-    ) -> Option<(u32, bool)> {
-        if cell.kind != CellRecord::AIR {
-            return None;
-        }
-        let sides = self.sides_of(cell);
-        let [mut ax, mut ay] = sides.last()?.start.map(f64::from);
-        let (mut beside, mut is_in) = (0, true);
-        // Of the sides of a straight edge one counts.
-        let mut before = [0.0; 2];
-        let ends = sides.iter().chain(sides.first()).map(|side| side.start.map(f64::from));
-        for (number, [bx, by]) in ends.enumerate() {
-            let [ex, ey] = [bx - ax, by - ay];
-            if number > 0 {
-                let (inward, size) = (ex * (y - ay) - ey * (x - ax), ex.abs() + ey.abs());
-                let turns = before[0] * ey != before[1] * ex;
-                beside += u32::from(turns && inward < near * size);
-                is_in &= inward >= -out * size;
-            }
-            (ax, ay, before) = (bx, by, [ex, ey]);
-        }
-        Some((beside, is_in))
-    }
-
     /// The same of any face behind which there are triangles.
     pub(super) fn is_beside_matter(&self, cell: &CellRecord, point: DVec3, margin: f64) -> bool {
         self.is_beside(cell, point, margin, |source, _| source != NONE)
@@ -427,6 +394,39 @@ impl<'a> Prisms<'a> {
                 is_asked(face.source, face.flags) && above >= -low && under <= high
             })
         })
+    }
+
+    /// Of how many edges of a prism of air a point of the plan is no farther within than `near`, and whether it is of none farther out than `out`; `None`
+    /// of what is no such prism.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn edges_beside(
+        &self,
+        cell: &CellRecord,
+        [x, y]: [f64; 2],
+        near: f64,
+        out: f64,
+    ) -> Option<(u32, bool)> {
+        if cell.kind != CellRecord::AIR {
+            return None;
+        }
+        let sides = self.sides_of(cell);
+        let [mut ax, mut ay] = sides.last()?.start.map(f64::from);
+        let (mut beside, mut is_in) = (0, true);
+        // Of the sides of a straight edge one counts.
+        let mut before = [0.0; 2];
+        let ends = sides.iter().chain(sides.first()).map(|side| side.start.map(f64::from));
+        for (number, [bx, by]) in ends.enumerate() {
+            let [ex, ey] = [bx - ax, by - ay];
+            if number > 0 {
+                let (inward, size) = (ex * (y - ay) - ey * (x - ax), ex.abs() + ey.abs());
+                let turns = before[0] * ey != before[1] * ex;
+                beside += u32::from(turns && inward < near * size);
+                is_in &= inward >= -out * size;
+            }
+            (ax, ay, before) = (bx, by, [ex, ey]);
+        }
+        Some((beside, is_in))
     }
 
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.

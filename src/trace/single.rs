@@ -416,10 +416,12 @@ impl Scene {
         let onward = self.in_front(away, &line);
         let follow = |tmin: f64, probe: &mut P| {
             let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
-            // What comes to nothing tells by nothing else that it began in matter.
-            let begins_in_matter = ended.in_matter && ended.found.triangle == NONE;
+            // What comes to nothing tells by nothing else that it began in matter, as cells say.
+            let start = || onward.origin + onward.direction * onward.tmin;
+            let begins_in_matter =
+                || ended.in_matter && ended.found.triangle == NONE && !self.is_beside_solids(start());
             let is_in_doubt =
-                away.is_some() && (begins_in_matter || self.came_through_matter(&onward, ended.found));
+                away.is_some() && (begins_in_matter() || self.came_through_matter(&onward, ended.found));
             ended.found.t = ended.found.t.max(tmin);
             (ended, is_in_doubt)
         };
@@ -444,7 +446,7 @@ impl Scene {
                     followed = Some(again(&line, probe));
                 }
                 Begin::At(_) => {
-                    // What it meets by more than that it does meet, be it the back of a solid: of one that two parts of it lie in each other in.
+                    // Only where it passes a side that closely is it let past. Otherwise the hit stands, even on a solid's back: parts of one solid may overlap.
                     if let (Some(first), Some(away)) = (first, away)
                         && first.triangle != NONE
                         && self.is_at_side(away, &onward, first)

@@ -6,8 +6,7 @@ use enfilade::{Answer, Brief, Kernel, Ray, Scene, Start, Starts};
 
 use crate::way::{Met, Rays, Way};
 
-/// Single rays on one of enfilade's kernels. The cell of a ray's origin is known, as it is for the rays of a frame and for those
-/// that go on from a hit.
+/// Single rays on one of enfilade's kernels. The cell of a ray's origin is known, as it is for the rays of a frame, or the hit that it goes on from.
 pub struct Single {
     pub scene: Arc<Scene>,
     pub kernel: Kernel,
@@ -19,15 +18,8 @@ impl Way for Single {
     }
 
     fn nearest(&self, rays: &Rays, met: &mut [Met]) {
-        if !rays.hits.is_empty() {
-            for ((ray, hit), met) in rays.exact.iter().zip(&rays.hits).zip(met) {
-                let brief = self.scene.trace_brief_with(self.kernel, Start::Hit(hit), ray);
-                *met = Met { t: brief.t, triangle: brief.triangle, padding: 0 };
-            }
-            return;
-        }
-        for ((ray, &cell), met) in rays.exact.iter().zip(&rays.cells).zip(met) {
-            let brief = self.scene.trace_brief_with(self.kernel, Start::Cell(cell), ray);
+        for (index, (ray, met)) in rays.exact.iter().zip(met).enumerate() {
+            let brief = self.scene.trace_brief_with(self.kernel, rays.start(index), ray);
             *met = Met { t: brief.t, triangle: brief.triangle, padding: 0 };
         }
     }
@@ -44,7 +36,8 @@ impl Way for Single {
     }
 }
 
-/// Batches on the fastest kernel, on one thread; the cells of the origins of nearest hits are known, those of occlusion are not.
+/// Batches on the fastest kernel, on one thread; the cells of the origins of nearest hits are known, those of occlusion are not, hits that rays go on from
+/// are.
 pub struct Batch {
     pub scene: Arc<Scene>,
     pub pool: rayon::ThreadPool,
@@ -97,6 +90,11 @@ pub struct Uncut {
 }
 
 impl Way for Uncut {
+    fn goes_on(&self) -> bool {
+        // The hits are those of another scene.
+        false
+    }
+
     fn name(&self) -> String {
         let how = if self.pool.is_some() { ", batch" } else { "" };
         format!("enfilade, no cells{how}")

@@ -18,8 +18,8 @@ use crate::{Arguments, crates, median};
 pub struct Row {
     pub scene: String,
     /// `primary`: frames from the scene's views; `random`: from random points in rooms in random directions; `pairs`: whether
-    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `facades`: on from what those meet; `onward`: on from what `random` ones
-    /// meet; `lamps`: whether what those meet sees random points of rooms; `points`: where random points lie.
+    /// random points of rooms see each other; `outside`: from eyes around the building to random points of its box; `facades`: on from what those meet; `onward`: on from what random
+    /// rays in rooms meet; `lamps`: whether what those meet sees the point from which it was met, or a random one of a room; `points`: where random points lie.
     pub rays: &'static str,
     pub way: String,
     pub count: usize,
@@ -143,6 +143,8 @@ fn facades(scene: &Scene, count: usize) -> Rays {
 
 /// On from hits: what random rays meet in rooms.
 fn onward(scene: &Scene, count: usize, to_lamps: bool) -> Rays {
+    /// So many points are tried to find one before a hit.
+    const FAR: usize = 64;
     let rooms: Vec<[[f64; 3]; 2]> = scene.rooms().filter(|r| r.is_closed()).map(|r| r.bounds()).collect();
     let mut numbers = Random(15 + u64::from(to_lamps));
     let (mut rays, mut hits) = (Vec::with_capacity(count), Vec::<Hit>::with_capacity(count));
@@ -155,12 +157,12 @@ fn onward(scene: &Scene, count: usize, to_lamps: bool) -> Rays {
         }
         let (at, normal) = (DVec3::from(hit.point), DVec3::from(hit.normal));
         if to_lamps {
-            // To a point of its room, mostly: that from which it was met, or another.
-            let (far, _) = numbers.point(scene, &rooms);
-            let to = if numbers.next() < 0.5 { from } else { far };
-            let way = DVec3::from(to) - at;
-            if way.dot(normal) <= 0.0 {
-                continue;
+            // Half of them to where it was met from, and so seen; the others to points of any room before it.
+            let mut way = DVec3::from(from) - at;
+            if numbers.next() < 0.5 {
+                let mut far = (0..FAR).map(|_| DVec3::from(numbers.point(scene, &rooms).0) - at);
+                let Some(found) = far.find(|way| way.dot(normal) > 0.0) else { continue };
+                way = found;
             }
             rays.push(Ray::segment(hit.point, way.normalize().to_array(), 0.0, way.length()));
         } else {
@@ -295,6 +297,12 @@ fn located(measured: &Measured, arguments: &Arguments) -> Vec<Row> {
     rows
 }
 
+/// The ways that can answer some rays.
+fn able<'a>(ways: &'a [Box<dyn Way>], batches: &[Rays]) -> Vec<&'a dyn Way> {
+    let go_on = batches.iter().any(|rays| !rays.hits.is_empty());
+    ways.iter().map(|way| &**way).filter(|way| way.goes_on() || !go_on).collect()
+}
+
 fn nearest(
     scene: &str,
     kind: &'static str,
@@ -302,6 +310,7 @@ fn nearest(
     batches: &[Rays],
     repeat: usize,
 ) -> Vec<Row> {
+    let ways = able(ways, batches);
     let mut seconds = vec![0.0; ways.len()];
     let mut differing = vec![0; ways.len()];
     let count = batches.iter().map(Rays::len).sum::<usize>();
@@ -339,6 +348,7 @@ fn nearest(
 }
 
 fn occluded(scene: &str, kind: &'static str, ways: &[Box<dyn Way>], pairs: &Rays, repeat: usize) -> Vec<Row> {
+    let ways = able(ways, std::slice::from_ref(pairs));
     let mut answers = vec![vec![false; pairs.len()]; ways.len()];
     let mut times = vec![Vec::new(); ways.len()];
     let first = pairs.first();

@@ -16,7 +16,7 @@ pub struct Single {
 
 /// Rays, as each way likes them best; made before the clock runs.
 pub struct Rays {
-    /// In f64, and the cell of the air in which each starts.
+    /// In f64, and the cell of the air in which each starts; of those that go on from hits these tell more.
     pub exact: Vec<Ray>,
     pub cells: Vec<u32>,
     /// The hits from which they go on; none, if they start in the air.
@@ -98,6 +98,11 @@ impl Met {
 /// A way to answer rays, ready to run on one thread.
 pub trait Way {
     fn name(&self) -> String;
+
+    /// Whether it can answer rays that go on from hits.
+    fn goes_on(&self) -> bool {
+        true
+    }
 
     /// The nearest hit of each ray.
     fn nearest(&self, rays: &Rays, met: &mut [Met]);

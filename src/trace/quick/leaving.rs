@@ -210,7 +210,7 @@ impl Way<'_> {
         let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
         if step.is_level() {
             self.through::<L>(cell, self.crossing::<L>(step, Begins::BesideFace))
-        } else if self.starts_beside::<L>(cell) == Some(true) {
+        } else if self.starts_beside::<L>(cell) {
             self.otherwise::<L>(cell, EXACT, false)
         } else {
             Exit::NONE
@@ -323,7 +323,7 @@ impl Way<'_> {
     /// their size, and floor and ceiling.
     #[inline(always)]
     fn is_beside_one<L: Lanes>(&self, inward: L, size: L, heights: [f32; 2]) -> bool {
-        let margins = self.beside();
+        let margins = self.margins();
         let [near, out] = [margins[0] as f32 + self.rounding, self.rounding - margins[1] as f32];
         // Lanes without an edge have no size.
         let mut beside = (!L::bits(size.mul(L::splat(near)).le(inward)) & 0xff).count_ones();

@@ -193,7 +193,7 @@ impl<'a> Way<'a> {
         Some(Way { tables, ray, origin, direction, limit: ray.tmax, surface: None, from, along, rounding })
     }
 
-    /// A ray away from a surface that it starts on, and beside no other of the cell's; `None` in doubt.
+    /// A ray away from a surface that it starts on; `None` in doubt.
     #[inline(always)]
     fn from_surface(tables: &'a Views, ray: &'a Ray, surface: &'a Surface) -> Option<Self> {
         let way = Way { surface: Some(surface), ..Way::new(tables, ray)? };
@@ -204,7 +204,8 @@ impl<'a> Way<'a> {
     /// Where it leaves the cell, if it starts beside no other face of that, and does not leave it beside the surface.
     #[inline(always)]
     fn leave_surface<L: Entries>(&self, cell: u32) -> Option<Exit> {
-        /// What is said to be no nearer than this, metres, in f32, is not beside it.
+        /// What f32 says to be no nearer than this, metres, is not looked at again. That is off by more only at an edge that the ray runs along almost, and then it
+        /// is far, or the ray starts beside that very edge: in what is behind it nothing near counts either, and a plain face is not met so.
         const FAR: f64 = 0.25;
         let exit = self.leave_from_face::<L>(cell);
         let is_far = exit.at_most() >= FAR && exit.by().is_some();
@@ -219,10 +220,10 @@ impl<'a> Way<'a> {
         (quick.found.triangle == NONE || is_clear).then_some(quick)
     }
 
-    /// What the ray meets that leaves the cell in which it starts at `exit`, if that is through a plain face. `None` where there is doubt, and through what else it
-    /// leaves.
+    /// What the ray meets that leaves the cell in which it starts at `exit`, which comes to a plain face.
     #[inline(always)]
     fn at_plate<L: Entries>(&self, cell: u32, exit: Exit, count: &mut impl Count) -> Option<Quick> {
+        debug_assert!(exit.is_plain());
         count.cell();
         count.plain();
         let mut source = exit.link & !Step::PLATE;
@@ -239,7 +240,7 @@ impl<'a> Way<'a> {
 
     /// Nearer to a face than the first of these, metres, it starts beside that, farther behind it than the second not in the cell.
     #[inline(always)]
-    fn beside(&self) -> [f64; 2] {
+    fn margins(&self) -> [f64; 2] {
         // In small models another cell may be as near as cells are blurred.
         let out = BLURRED.min(self.tables.scene[0].tolerance.max(2.0 * f64::from(self.rounding)));
         [2.0 * BLURRED, out]
@@ -248,9 +249,13 @@ impl<'a> Way<'a> {
     /// Whether the ray starts in a prism of air, or beside one face of it: where it starts beside more, what stands behind one of them
     /// may come before another by what cells are blurred.
     #[inline(always)]
-    fn starts_beside<L: Lanes>(&self, cell: u32) -> Option<bool> {
-        let (step, record) = (self.tables.steps.get(cell as usize)?, self.tables.cells.get(cell as usize)?);
-        let ([near, out], rounding) = (self.beside(), f64::from(self.rounding));
+    fn starts_beside<L: Lanes>(&self, cell: u32) -> bool {
+        let (Some(step), Some(record)) =
+            (self.tables.steps.get(cell as usize), self.tables.cells.get(cell as usize))
+        else {
+            return false;
+        };
+        let ([near, out], rounding) = (self.margins(), f64::from(self.rounding));
         let (mut beside, mut is_in) = if step.is_some() {
             let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
             let edges = (1u32 << step.corners) - 1;
@@ -258,7 +263,9 @@ impl<'a> Way<'a> {
             (beside, beyond(inward, size, rounding - out) & edges == edges)
         } else {
             let at = [self.from.x, self.from.y];
-            Prisms::new(self.tables).edges_beside(record, at, near + rounding, out)?
+            let edges = Prisms::new(self.tables).edges_beside(record, at, near + rounding, out);
+            let Some(edges) = edges else { return false };
+            edges
         };
         for (plane, up) in [(record.floor, 1.0), (record.ceiling, -1.0)] {
             let [p, q] = self.tables.planes[plane as usize].slope;
@@ -266,7 +273,7 @@ impl<'a> Way<'a> {
             beside += u32::from(!(within >= near * tilt));
             is_in &= within >= -out * tilt;
         }
-        Some(is_in && beside <= 1)
+        is_in && beside <= 1
     }
 
     /// What the ray meets in the plane of a source's triangles; `None` if it runs along it, or starts behind it.

@@ -5,6 +5,7 @@ use crate::format::records::CellRecord;
 use crate::generate::{HouseOptions, Style, house};
 use crate::samples::Sample;
 use crate::splitmix::SplitMix64;
+use crate::trace::lanes::Portable;
 use crate::trace::path::Prisms;
 use crate::trace::single::surface_of;
 use crate::trace::{Hit, Kernel, Place, Start, Want};
@@ -139,13 +140,76 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
     assert!(f64::from(quick) >= share * f64::from(all) && all > 10_000, "{name}: {quick} of {all} rays");
 }
 
+/// Rays from places in and beside simple and level cells, at their faces, edges and corners: what tells soon beside how many faces these are against what
+/// looks at each.
+#[test]
+fn what_a_place_is_beside_is_told_alike() {
+    let mut random = SplitMix64::new(12);
+    let (mut clear, mut not) = (0, 0);
+    for scene in [Sample::House.scene(), Sample::Build1.scene()] {
+        let (tables, prisms) = (&scene.tables, Prisms::new(&scene.tables));
+        let [cos, sin] = tables.scene[0].lattice_turn;
+        let origin = DVec3::from(tables.scene[0].lattice_origin);
+        for (cell, (step, record)) in (0..).zip(tables.steps.iter().zip(tables.cells.iter())) {
+            if !step.is_level() || record.kind != CellRecord::AIR {
+                continue;
+            }
+            let sides = prisms.sides_of(record);
+            for _ in 0..60 {
+                let at = |number: u64| sides[number as usize % sides.len()].start.map(f64::from);
+                let first = random.below(sides.len() as u64);
+                let ([a, b], share) = ([at(first), at(first + 1)], random.between(-0.1, 1.1));
+                let inward = [a[1] - b[1], b[0] - a[0]];
+                let length = inward[0].hypot(inward[1]);
+                let off = random.between(-2e-3, 4e-3);
+                let plan = [0, 1].map(|i| a[i] + share * (b[i] - a[i]) + off * inward[i] / length);
+                let [floor, ceiling] = [step.height[0], step.height[1]].map(f64::from);
+                let height = match random.below(3) {
+                    0 => floor + random.between(-2e-3, 4e-3),
+                    1 => ceiling - random.between(-2e-3, 4e-3),
+                    _ => random.between(floor, ceiling),
+                };
+                let turned = DVec3::new(plan[0] * cos - plan[1] * sin, plan[0] * sin + plan[1] * cos, height);
+                let way = [(); 3].map(|()| random.between(-1.0, 1.0));
+                let ray = Ray::new((origin + turned).to_array(), way);
+                let Some(way) = Way::new(tables, &ray) else { continue };
+                let exit = way.leave_from_face::<Portable>(cell);
+                let starts = way.starts_beside::<Portable>(cell);
+                // It may be in doubt for other reasons, and is by what f32 rounds.
+                assert!(starts || exit.link == Step::OTHER, "{cell} {ray:?}");
+                let [near, out] = way.margins();
+                let least = 4.0 * f64::from(way.rounding);
+                let told =
+                    |by: f64| prisms.edges_beside(record, [way.from.x, way.from.y], near + by, out - by);
+                let (some, more) = (told(-least).unwrap(), told(least).unwrap());
+                let heights = [way.from.z - floor, ceiling - way.from.z];
+                let levels = |by: f64| heights.iter().filter(|height| **height < near + by).count() as u32;
+                let is_out = heights.iter().any(|height| *height < -out - least) || !some.1;
+                if more.1
+                    && more.0 + levels(least) <= 1
+                    && heights.iter().all(|height| *height > -out + least)
+                {
+                    assert!(starts, "{cell} {ray:?}");
+                    clear += 1;
+                }
+                if is_out || some.0 + levels(-least) > 1 {
+                    assert!(!starts, "{cell} {ray:?}");
+                    not += 1;
+                }
+            }
+        }
+    }
+    assert!(clear > 1000 && not > 1000, "{clear} {not}");
+}
+
 #[test]
 fn from_surfaces_it_answers_as_the_careful_walk_does() {
-    check_from_surfaces("house", Sample::House.scene(), 0.7);
-    check_from_surfaces("build1", Sample::Build1.scene(), 0.7);
+    // A quarter of them go through the surface, or flat along it.
+    check_from_surfaces("house", Sample::House.scene(), 0.76);
+    check_from_surfaces("build1", Sample::Build1.scene(), 0.76);
     for seed in 1..3 {
-        check_from_surfaces(&format!("random {seed}"), Sample::Random(seed).scene(), 0.6);
-        check_from_surfaces(&format!("cad {seed}"), Sample::Random(seed).drawn(seed), 0.5);
+        check_from_surfaces(&format!("random {seed}"), Sample::Random(seed).scene(), 0.76);
+        check_from_surfaces(&format!("cad {seed}"), Sample::Random(seed).drawn(seed), 0.59);
     }
 }
 
