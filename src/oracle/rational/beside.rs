@@ -15,11 +15,13 @@ impl Truth {
     /// Whether an answer is that to a parallel ray a little aside, whose origin need be no f64: how far, metres. The answer says that the
     /// ray meets the triangle `corners` of `element` at `t`, a place that the triangle comes within the tolerance of. Finds witnesses where
     /// things are narrower than f64 is fine. What the witness starts inside of is asked in f64: within rounding of a surface that may be either;
-    /// it may begin where it comes out of that. What the witness meets may be off along it, too: both count as how far. `None` is
+    /// it may begin where it comes out of that, or behind a surface that it meets within the tolerance of its start. What the witness meets may be off along it, too: both count as how far. `None` is
     /// no proof that there is none.
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well, and inward of an edge a face before that.
         const INWARD: [f64; 6] = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4];
+        /// Surfaces around the start that the witness may begin behind.
+        const MOST_LEFT: usize = 4;
         let line = Line::new(ray)?;
         if !(t >= first_t(ray) && t <= ray.tmax && t.is_finite()) {
             return None;
@@ -42,20 +44,29 @@ impl Truth {
             let start = [0, 1, 2].map(|i| line.at(first_t(ray))[i] + shift[i].to_f64().value());
             let beside = Exactly { origin, ..Exactly::new(ray) };
             let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
-            // Along itself it is moved out of what it starts inside of.
-            let ahead = self.way_out(&near, start)?;
-            let aside = across.hypot(ahead);
-            if aside > self.tolerance {
-                return None;
+            // Along itself it is moved out of what it starts inside of, and past what it starts on or hardly behind.
+            let mut ahead = self.way_out(&near, start)?;
+            for _ in 0..MOST_LEFT {
+                let aside = across.hypot(ahead);
+                if aside > self.tolerance {
+                    return None;
+                }
+                // What it meets is at `t` but for roundings, and so it may begin and end there.
+                let rounding = 1e-12 * (1.0 + t);
+                let begin = first_t(ray) + ahead;
+                let near = Ray { tmin: begin - rounding, tmax: ray.tmax + rounding, ..near };
+                let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
+                let off = first.off(t).abs();
+                let displacement = if off <= rounding { aside } else { across.hypot(ahead.max(off)) };
+                if first.met.iter().any(|(met, _)| met.element == element) && displacement <= self.tolerance {
+                    return Some(displacement);
+                }
+                ahead += (first.t - begin).max(0.0) + 2.0 * rounding;
+                if !self.is_out(add(start, scale(line.direction, ahead))) {
+                    return None;
+                }
             }
-            // What it meets is at `t` but for roundings, and so it may begin and end there.
-            let rounding = 1e-12 * (1.0 + t);
-            let near = Ray { tmin: first_t(ray) + ahead - rounding, tmax: ray.tmax + rounding, ..near };
-            let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
-            let off = first.off(t).abs();
-            let displacement = if off <= rounding { aside } else { across.hypot(ahead.max(off)) };
-            let is_it = first.met.iter().any(|(met, _)| met.element == element);
-            (is_it && displacement <= self.tolerance).then_some(displacement)
+            None
         })
     }
 }
@@ -64,17 +75,22 @@ impl Truth {
     /// How far along a ray that starts at `start` no solid holds it any more, metres: 0, or just past a surface within the tolerance. By
     /// rounding it may be on a surface, which is not inside.
     fn way_out(&self, ray: &Ray, start: [f64; 3]) -> Option<f64> {
-        let rounding = 8.0 * f64::EPSILON * max_abs(start);
-        let is_deep = |(_, body): &&(ElementId, Body)| {
-            body.contains(start) && body.surface_near(start, rounding).is_empty()
-        };
-        if self.solids.iter().find(is_deep).is_none() {
+        if self.is_out(start) {
             return Some(0.0);
         }
         let (first, direction) = (first_t(ray), Line::new(ray)?.direction);
         let surfaces = self.hits_between(ray, first, first + self.tolerance);
         let mut past = surfaces.into_iter().map(|hit| hit.t - first + 4.0 * touch_at(max_abs(start)));
         past.find(|&ahead| ahead >= 0.0 && self.solids_at(add(start, scale(direction, ahead))).is_empty())
+    }
+
+    /// Whether no solid holds a point, but for rounding.
+    fn is_out(&self, point: [f64; 3]) -> bool {
+        let rounding = 8.0 * f64::EPSILON * max_abs(point);
+        let is_deep = |(_, body): &(ElementId, Body)| {
+            body.contains(point) && body.surface_near(point, rounding).is_empty()
+        };
+        !self.solids.iter().any(is_deep)
     }
 }
 
