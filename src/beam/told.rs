@@ -63,8 +63,8 @@ impl Told {
 
 impl Told {
     /// Leaves to rays what the cells of a picture so many pixels wide tell wrongly, and counts it: cells are rounded, walls that lean by less than a millimetre to
-    /// upright ones, so that along their edges pixels may show what is in front of them, or behind. Where walls, floors and ceilings border on something else rays are asked, and on from each pixel
-    /// that shows something else than its ray meets.
+    /// upright ones, so that along their edges pixels may show what is in front of them, or behind. Where walls, floors and ceilings border on something else rays are asked, and for each pixel that shows what none
+    /// beside it does, and on from each that shows something else than its ray meets.
     pub(crate) fn settle(&mut self, scene: &Scene, pinhole: &Pinhole, width: u32, starts: Starts<'_>) -> u64 {
         let around = |index: usize| {
             let (width, count) = (width as usize, self.surfaces.len());
@@ -82,10 +82,13 @@ impl Told {
         };
         let is_border = |&index: &usize| {
             let own = self.surfaces[index];
-            around(index).any(|beside| {
-                let other = self.surfaces[beside];
-                other != own && (is_face(own) || is_face(other))
-            })
+            // By itself it may be through a corner, of what no pixel beside shows.
+            let is_alone = around(index).all(|beside| self.surfaces[beside] != own);
+            is_alone
+                || around(index).any(|beside| {
+                    let other = self.surfaces[beside];
+                    other != own && (is_face(own) || is_face(other))
+                })
         };
         let mut asked: Vec<usize> = (0..self.surfaces.len()).filter(is_border).collect();
         let mut is_asked = vec![false; self.surfaces.len()];

@@ -378,6 +378,12 @@ fn a_picture_from_a_wall_that_cells_round_showed_what_is_behind_it() {
 
 #[cfg(feature = "render")]
 #[test]
+fn a_single_pixel_saw_past_the_corner_of_a_building() {
+    pictured(41, "turned-0", Family::Grazing, 15);
+}
+
+#[cfg(feature = "render")]
+#[test]
 fn packets_told_pixels_on_a_line_apart_by_what_f32_rounds() {
     pictured(22, "thin-walls", Family::Borders, 6);
     pictured(22, "near-vertical", Family::Borders, 6);
