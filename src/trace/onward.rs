@@ -126,7 +126,7 @@ impl Scene {
     /// Whether a ray that goes on from a surface came to the back of a closed solid, as no ray from the air does: rounding has put its origin into that, or so near
     /// to it that it passes an edge.
     #[inline]
-    fn is_back(&self, line: &Line, found: Found) -> bool {
+    pub(super) fn is_back(&self, line: &Line, found: Found) -> bool {
         if found.triangle == NONE {
             return false;
         }

@@ -13,7 +13,7 @@ use super::path::{BLURRED, NEAR, Prisms};
 use super::plate::Plate;
 #[cfg(feature = "render")]
 use super::plate::plate_of;
-use super::quick::{Quick, nothing, quick, quick_from};
+use super::quick::{Quick, is_clear_of, nothing, quick, quick_from, starts_clear, takes};
 use super::ray::{Answer, Brief, Hit, NONE, Ray};
 use super::walk::{EDGE_ON_SINE, Found, Query, Surface, Walk, each};
 use crate::format::Views;
@@ -36,6 +36,16 @@ pub enum Start<'a> {
     /// On the surface of this hit, to the side from which its ray came, or through it: the surface itself is not met
     /// again. The walk begins in the hit's cell.
     Hit(&'a Hit),
+}
+
+/// What a ray meets.
+enum Met {
+    /// This, perhaps behind its end.
+    At(Line, Ended),
+    /// Nothing.
+    Nothing,
+    /// It starts inside this solid element.
+    InSolid(u32),
 }
 
 impl Start<'_> {
@@ -112,7 +122,7 @@ impl Scene {
         match self.quick(kernel, start, ray) {
             Ok(quick) => self.describe_quick(ray, &quick, want),
             Err(cell) => {
-                self.answer(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
+                self.answer_doubt(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
             }
         }
     }
@@ -150,8 +160,15 @@ impl Scene {
     #[cold]
     #[inline(never)]
     fn brief(&self, kernel: Kernel, start: Start<'_>, ray: &Ray) -> (f64, [u32; 2]) {
-        let hit = self.answer(start, ray, Want::LEAST, &mut Plain { kernel, ask: Ask::First });
-        (hit.t, [hit.triangle, hit.cell])
+        let none = Brief::ESCAPED;
+        match self.meets_in_doubt(start, ray, &mut Plain { kernel, ask: Ask::First }) {
+            // Not -0.
+            Met::At(_, Ended { found, cell, .. }) if found.t <= ray.tmax => {
+                (found.t + 0.0, [found.triangle, cell])
+            }
+            Met::At(..) | Met::Nothing => (none.t, [none.triangle, none.cell]),
+            Met::InSolid(_) => (f64::NAN, [none.triangle, none.cell]),
+        }
     }
 
     /// What the quick way answers, or the cell in which the ray starts, if that is known.
@@ -357,7 +374,7 @@ impl Scene {
             return (self.describe_quick(ray, &found, want), cost);
         }
         cost = Cost::default();
-        let hit = self.answer(known(start, ray, cell), ray, want, &mut cost);
+        let hit = self.answer_doubt(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
     }
 
@@ -405,8 +422,68 @@ impl Scene {
     /// The answer, `probe` running the walks.
     #[inline]
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
+        let met = self.meets(start, ray, probe);
+        self.describe_met(ray, met, want)
+    }
+
+    /// The same of a ray that the quick way left in doubt.
+    #[inline]
+    fn answer_doubt<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
+        let met = self.meets_in_doubt(start, ray, probe);
+        self.describe_met(ray, met, want)
+    }
+
+    fn describe_met(&self, ray: &Ray, met: Met, want: Want) -> Hit {
+        match met {
+            Met::At(line, ended) if ended.found.t <= ray.tmax => self.describe(&line, ended, want),
+            Met::At(..) | Met::Nothing => Hit::ESCAPED,
+            Met::InSolid(element) => Hit::in_solid(element, self.tables.elements[element as usize].semantic),
+        }
+    }
+
+    /// What a ray meets that the quick way left in doubt.
+    #[inline]
+    fn meets_in_doubt<P: Probe>(&self, start: Start<'_>, ray: &Ray, probe: &mut P) -> Met {
+        self.meets_of_all(start, ray, probe).unwrap_or_else(|| self.meets(start, ray, probe))
+    }
+
+    /// The same by all triangles, if what is in doubt is not where it starts: of ten such rays the careful walk through cells is in doubt about nine, too, and takes longer
+    /// to find that out than all triangles to tell.
+    fn meets_of_all<P: Probe>(&self, start: Start<'_>, ray: &Ray, probe: &mut P) -> Option<Met> {
         let tables = &self.tables;
-        let Some(mut line) = Line::new(tables, ray) else { return Hit::ESCAPED };
+        if tables.cells.len() == 1 || !takes(tables, ray) {
+            return None;
+        }
+        let Some(line) = Line::new(tables, ray) else { return Some(Met::Nothing) };
+        let met = |line: Line, ended: Ended| {
+            if ended.found.triangle == NONE { Met::Nothing } else { Met::At(line, ended) }
+        };
+        match start {
+            Start::Cell(cell) if tables.is_air(cell) => {
+                probe.unsure();
+                Some(met(line, among_all(tables, &line, None, probe)))
+            }
+            Start::Hit(hit) => {
+                let surface = surface_of(hit, line.origin, line.tmin);
+                if !starts_clear(tables, ray, hit.cell, &surface) {
+                    return None;
+                }
+                probe.unsure();
+                // Without an end: that it has run into a solid is noticed where it comes out of that.
+                let line = Line { tmax: f64::INFINITY, ..line };
+                let ended = among_all(tables, &line, Some(&surface), probe);
+                let is_told = is_clear_of(&surface, ended.found) && !self.is_back(&line, ended.found);
+                is_told.then(|| met(line, ended))
+            }
+            _ => None,
+        }
+    }
+
+    /// What a ray meets, `probe` running the walks.
+    #[inline]
+    fn meets<P: Probe>(&self, start: Start<'_>, ray: &Ray, probe: &mut P) -> Met {
+        let tables = &self.tables;
+        let Some(mut line) = Line::new(tables, ray) else { return Met::Nothing };
         let surface = surface(start, &line);
         if surface.is_some() {
             // Without an end: that it has run into a solid is noticed where it comes out of that.
@@ -439,7 +516,7 @@ impl Scene {
             match self.begin(&line, away, &mut |line| again(line, probe).found) {
                 Begin::InSolid(_) if first.is_some_and(|first| is_at_start(&line, first.t)) => {}
                 Begin::InSolid(element) => {
-                    return Hit::in_solid(element, tables.elements[element as usize].semantic);
+                    return Met::InSolid(element);
                 }
                 Begin::At(tmin) if tmin > line.tmin => {
                     line.tmin = tmin;
@@ -476,7 +553,7 @@ impl Scene {
                         } else if let Some((up, above)) = self.above(away, &line, probe) {
                             (way, ended) = (up, above);
                         } else if let Some(element) = self.solid_before(away, &line) {
-                            return Hit::in_solid(element, tables.elements[element as usize].semantic);
+                            return Met::InSolid(element);
                         }
                     }
                     // Back from the other ray's origin to this one's.
@@ -491,10 +568,9 @@ impl Scene {
             && matches!(start, Start::Anywhere)
             && let Some(element) = self.solid_around(line.origin + line.direction * line.tmin)
         {
-            return Hit::in_solid(element, tables.elements[element as usize].semantic);
+            return Met::InSolid(element);
         }
-        let is_met = ended.found.triangle != NONE && ended.found.t <= ray.tmax;
-        if is_met { self.describe(&line, ended, want) } else { Hit::ESCAPED }
+        if ended.found.triangle == NONE { Met::Nothing } else { Met::At(line, ended) }
     }
 
     /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else
@@ -633,8 +709,7 @@ impl Scene {
             let surface = surface_of(hit, DVec3::from(ray.origin), ray.tmin);
             let is_barred = kernel.barred_from(tables, ray, hit.cell, &surface);
             // What is met first tells whether rounding has put it behind what it goes on from; any that is met does not.
-            return is_barred
-                .unwrap_or_else(|| self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped);
+            return is_barred.unwrap_or_else(|| self.brief(kernel, start, ray).0 != f64::INFINITY);
         }
         if let Start::Cell(cell) = start
             && tables.is_air(cell)
@@ -666,6 +741,9 @@ impl Scene {
             return self.trace_from(start, ray, Want::LEAST).answer() != Answer::Escaped;
         }
         let probe = &mut Plain { kernel: self.kernel, ask: Ask::Any };
+        if let Some(met) = self.meets_of_all(start, ray, probe) {
+            return matches!(met, Met::At(..));
+        }
         let ended = nearest(&self.tables, &line, None, start.hint(), probe);
         ended.found.triangle != NONE
             || (is_anywhere

@@ -4,7 +4,8 @@
 //! It goes the way of `cells`, and what it answers is what that would answer, to rounding: a ray that starts well within a
 //! prism, passes no edge of a face so near that one hardly aside would go another way, and ends at detail, at a *plain* face, behind
 //! which the compiler proved that all over there are triangles of one plane, or at another whose triangles it meets. Any other ray it leaves to
-//! `cells`, from its start, and of rays that start on a surface those that meet anything near it. So it has no case but the
+//! others, from its start: to all triangles, or, where the start itself is in doubt, to `cells`; and of rays that start on a surface those that meet
+//! anything near it. So it has no case but the
 //! common one. No file makes it long, as it enters no more prisms than there are; that plain faces are plain is the file's word.
 
 // Comparisons are written so that NaN is in doubt.
@@ -23,7 +24,7 @@ use super::NONE;
 use super::cost::Count;
 use super::entries::Entries;
 use super::kernel::Ask;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Portable};
 use super::path::{BEYOND, BLURRED, NEAR, Prisms};
 use super::ray::{Brief, Ray};
 use super::step::Step;
@@ -140,6 +141,28 @@ pub(super) fn quick_from<L: Entries, C: Count>(
     way.clear(quick)
 }
 
+/// Whether the quick way takes such a ray at all: one that it left in doubt is in doubt for what it comes to.
+#[cold]
+#[inline(never)]
+pub(super) fn takes(tables: &Views, ray: &Ray) -> bool {
+    Way::new(tables, ray).is_some()
+}
+
+/// Whether a ray that starts on a surface starts as [`quick_from`] wants it to: then what is in doubt is what it meets farther on, and not where it starts.
+#[cold]
+#[inline(never)]
+pub(super) fn starts_clear(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> bool {
+    // Out of the cell it comes no sooner, but through the one face that it may start beside.
+    Way::from_surface(tables, ray, surface)
+        .is_some_and(|way| way.starts_beside::<Portable>(cell, FROM_SURFACE))
+}
+
+/// Whether what a ray from a surface meets, if anything, is nothing near that.
+#[inline(always)]
+pub(super) fn is_clear_of(surface: &Surface, found: Found) -> bool {
+    found.triangle == NONE || found.t >= FROM_SURFACE && found.triangle != surface.triangle
+}
+
 /// As [`onward`], of a ray that starts on a surface.
 #[inline(always)]
 pub(super) fn onward_from<L: Entries, C: Count>(
@@ -215,9 +238,8 @@ impl<'a> Way<'a> {
     /// What it meets, if that is nothing near the surface.
     #[inline(always)]
     fn clear(&self, quick: Quick) -> Option<Quick> {
-        let is_same = self.surface.is_some_and(|surface| quick.found.triangle == surface.triangle);
-        let is_clear = quick.found.t >= FROM_SURFACE && !is_same;
-        (quick.found.triangle == NONE || is_clear).then_some(quick)
+        let is_clear = self.surface.is_none_or(|surface| is_clear_of(surface, quick.found));
+        is_clear.then_some(quick)
     }
 
     /// What the ray meets that leaves the cell in which it starts at `exit`, which comes to a plain face.
@@ -246,16 +268,16 @@ impl<'a> Way<'a> {
         [2.0 * BLURRED, out]
     }
 
-    /// Whether the ray starts in a prism of air, or beside one face of it: where it starts beside more, what stands behind one of them
+    /// Whether the ray starts in a prism of air, or nearer than so many metres to one face of it: where it starts beside more, what stands behind one of them
     /// may come before another by what cells are blurred.
     #[inline(always)]
-    fn starts_beside<L: Lanes>(&self, cell: u32) -> bool {
+    fn starts_beside<L: Lanes>(&self, cell: u32, near: f64) -> bool {
         let (Some(step), Some(record)) =
             (self.tables.steps.get(cell as usize), self.tables.cells.get(cell as usize))
         else {
             return false;
         };
-        let ([near, out], rounding) = (self.margins(), f64::from(self.rounding));
+        let ([_, out], rounding) = (self.margins(), f64::from(self.rounding));
         let (mut beside, mut is_in) = if step.is_some() {
             let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
             let edges = (1u32 << step.corners) - 1;

@@ -35,7 +35,7 @@ fn rays(scene: &Scene, count: usize, seed: u64) -> Vec<(u32, Ray)> {
 /// That it answers nearly all, and as the careful walk does: the same on all kernels. How many rays end at faces that are not plain.
 fn check(name: &str, scene: &Scene, share: f64) -> u32 {
     let rays = rays(scene, 40_000, 5);
-    let (mut quick, mut hits, mut others, mut far, mut rough) = (0, 0, 0, 0, 0);
+    let (mut quick, mut hits, mut others, mut far, mut rough, mut doubted) = (0, 0, 0, 0, 0, 0);
     let mut in_faces = vec![false; scene.tables.triangles.len()];
     scene.tables.surfaces.iter().for_each(|&triangle| in_faces[triangle as usize] = true);
     for (cell, ray) in &rays {
@@ -49,7 +49,11 @@ fn check(name: &str, scene: &Scene, share: f64) -> u32 {
         let careful = scene.careful(Start::Cell(*cell), ray, Want::LEAST);
         let is_met = careful.triangle != NONE;
         assert!(barred[0].is_none_or(|is_barred| is_barred == is_met), "{name}: {ray:?} {careful:?}");
-        let Some(Quick { found, source, .. }) = found[0] else { continue };
+        let Some(Quick { found, source, .. }) = found[0] else {
+            doubted += u32::from(Way::new(&scene.tables, ray).is_some());
+            check_in_doubt(name, scene, Start::Cell(*cell), ray, &careful);
+            continue;
+        };
         quick += 1;
         assert_eq!(found.triangle != NONE, is_met, "{name}: {ray:?} {found:?} {careful:?}");
         assert!(barred[0].is_some(), "{name}: {ray:?} {found:?}");
@@ -70,7 +74,20 @@ fn check(name: &str, scene: &Scene, share: f64) -> u32 {
     assert!(answered >= share && hits > quick / 4, "{name}: {answered} of the rays, {hits} hits of {quick}");
     assert!(others * 1000 < hits, "{name}: {others} of {hits} hits are of other elements");
     assert!(far > 0, "{name}: none goes farther than walls are looked for");
+    assert!(doubted > 0, "{name}: none is in doubt");
     rough
+}
+
+/// That a ray which the quick way leaves in doubt is answered as the careful walk answers it.
+fn check_in_doubt(name: &str, scene: &Scene, start: Start<'_>, ray: &Ray, careful: &Hit) {
+    let is_met = careful.triangle != NONE;
+    let is_same = |t: f64, triangle: u32| {
+        (triangle != NONE) == is_met && (!is_met || (t - careful.t).abs() <= 1e-6 / GRAZING)
+    };
+    let (hit, brief) = (scene.trace_from(start, ray, Want::LEAST), scene.trace_brief(start, ray));
+    assert!(is_same(hit.t, hit.triangle), "{name}: {start:?} {ray:?} {hit:?} {careful:?}");
+    assert!(is_same(brief.t, brief.triangle), "{name}: {start:?} {ray:?} {brief:?} {careful:?}");
+    assert_eq!(scene.occluded_from(start, ray), is_met, "{name}: {start:?} {ray:?} {careful:?}");
 }
 
 #[test]
@@ -93,7 +110,7 @@ fn it_answers_as_the_careful_walk_does() {
 /// The same of rays from what others met, to the side that they came from, and flat along it.
 fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
     let mut random = SplitMix64::new(11);
-    let (mut quick, mut all) = (0, 0);
+    let (mut quick, mut all, mut doubted) = (0, 0, 0);
     for (cell, ray) in rays(scene, 20_000, 6) {
         let hit = scene.trace_from(Start::Cell(cell), &ray, Want::LEAST);
         let normal = DVec3::from(hit.normal);
@@ -129,7 +146,11 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
             "{name}: {hit:?} {onward:?} {careful:?}"
         );
         all += 1;
-        let Some(Quick { found, .. }) = found[0] else { continue };
+        let Some(Quick { found, .. }) = found[0] else {
+            doubted += u32::from(starts_clear(&scene.tables, &onward, hit.cell, &surface));
+            check_in_doubt(name, scene, Start::Hit(&hit), &onward, &careful);
+            continue;
+        };
         quick += 1;
         let is_same = found.triangle == NONE || (found.t - careful.t).abs() <= 1e-6 / GRAZING;
         assert!(
@@ -138,6 +159,7 @@ fn check_from_surfaces(name: &str, scene: &Scene, share: f64) {
         );
     }
     assert!(f64::from(quick) >= share * f64::from(all) && all > 10_000, "{name}: {quick} of {all} rays");
+    assert!(doubted > 0, "{name}: none is in doubt that surely starts before its surface");
 }
 
 /// Rays from places in and beside simple and level cells, at their faces, edges and corners: what tells soon beside how many faces these are against what
@@ -174,7 +196,7 @@ fn what_a_place_is_beside_is_told_alike() {
                 let ray = Ray::new((origin + turned).to_array(), way);
                 let Some(way) = Way::new(tables, &ray) else { continue };
                 let exit = way.leave_from_face::<Portable>(cell);
-                let starts = way.starts_beside::<Portable>(cell);
+                let starts = way.starts_beside::<Portable>(cell, way.margins()[0]);
                 // It may be in doubt for other reasons, and is by what f32 rounds.
                 assert!(starts || exit.link == Step::OTHER, "{cell} {ray:?}");
                 let [near, out] = way.margins();
