@@ -319,6 +319,12 @@ fn a_ray_from_a_pane_met_the_back_of_the_wall_along_whose_opening_it_ran() {
     seeded(21, "scaled-1e-3", Family::AlongEdges, 2100);
 }
 
+/// From a door's leaf, along the side of the wall's opening, which rounding had put it behind.
+#[test]
+fn a_ray_in_doubt_where_it_ends_was_not_where_it_starts() {
+    seeded(323, "moved-1e3", Family::Grazing, 8096);
+}
+
 /// Where a ceiling slopes down to the floor: the one way was in doubt which of the two it leaves through, the other looked at the level floor alone.
 #[test]
 fn a_ray_and_one_in_a_batch_told_a_floor_by_unlike_planes() {

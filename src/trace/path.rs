@@ -429,6 +429,34 @@ impl<'a> Prisms<'a> {
         Some((beside, is_in))
     }
 
+    /// Whether a ray that starts in a prism of air, or no farther than `out` behind its faces, goes away from each of those that it starts nearer to than `near`, at an
+    /// angle whose sine is `least` or more. `from` and `along` are of the lattice's axes, the latter of unit length.
+    pub(super) fn leaves_faces(
+        &self,
+        cell: &CellRecord,
+        [from, along]: [DVec3; 2],
+        [near, out]: [f64; 2],
+        least: f64,
+    ) -> bool {
+        let is_left = |within: f64, grows: f64, size: f64| {
+            within >= -out * size && (within >= near * size || grows >= least * size)
+        };
+        let leaves_level = |plane: u32, up: f64| {
+            let PlaneRecord { slope: [p, q], height } = self.planes[plane as usize];
+            let over = |v: DVec3| (v.z - p * v.x - q * v.y) * up;
+            is_left(over(from) - height * up, over(along), (1.0 + p * p + q * q).sqrt())
+        };
+        let leaves_edge = |edge: [[f64; 2]; 2]| {
+            let [a, b] = edge;
+            let grows = (b[0] - a[0]) * along.y - (b[1] - a[1]) * along.x;
+            is_left(turn(edge, from), grows, length(edge))
+        };
+        cell.kind == CellRecord::AIR
+            && leaves_level(cell.floor, 1.0)
+            && leaves_level(cell.ceiling, -1.0)
+            && edges(self.sides_of(cell)).all(leaves_edge)
+    }
+
     /// How far, metres, `point` is outside of the prism's farthest plane; negative within it.
     #[cfg(feature = "render")]
     pub(crate) fn outside(&self, cell: &CellRecord, point: DVec3) -> f64 {

@@ -210,7 +210,7 @@ impl Way<'_> {
         let Some(step) = self.tables.steps.get(cell as usize) else { return Exit::NONE };
         if step.is_level() {
             self.through::<L>(cell, self.crossing::<L>(step, Begins::BesideFace))
-        } else if self.starts_beside::<L>(cell, self.margins()[0]) {
+        } else if self.starts_beside::<L>(cell) {
             self.otherwise::<L>(cell, EXACT, false)
         } else {
             Exit::NONE

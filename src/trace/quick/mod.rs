@@ -24,7 +24,7 @@ use super::NONE;
 use super::cost::Count;
 use super::entries::Entries;
 use super::kernel::Ask;
-use super::lanes::{Lanes, Portable};
+use super::lanes::Lanes;
 use super::path::{BEYOND, BLURRED, NEAR, Prisms};
 use super::ray::{Brief, Ray};
 use super::step::Step;
@@ -148,13 +148,18 @@ pub(super) fn takes(tables: &Views, ray: &Ray) -> bool {
     Way::new(tables, ray).is_some()
 }
 
-/// Whether a ray that starts on a surface starts as [`quick_from`] wants it to: then what is in doubt is what it meets farther on, and not where it starts.
+/// Whether it is in no doubt that a ray that starts on a surface starts in the air of a cell: it goes away from that surface, and from each face of the cell that it starts beside,
+/// and not along it. What rounding has put it behind it then meets at once.
 #[cold]
 #[inline(never)]
 pub(super) fn starts_clear(tables: &Views, ray: &Ray, cell: u32, surface: &Surface) -> bool {
-    // Out of the cell it comes no sooner, but through the one face that it may start beside.
-    Way::from_surface(tables, ray, surface)
-        .is_some_and(|way| way.starts_beside::<Portable>(cell, FROM_SURFACE))
+    let (Some(way), Some(record)) =
+        (Way::from_surface(tables, ray, surface), tables.cells.get(cell as usize))
+    else {
+        return false;
+    };
+    let margins = [FROM_SURFACE, way.margins()[1]];
+    Prisms::new(tables).leaves_faces(record, [way.from, way.along], margins, SKIMMING)
 }
 
 /// Whether what a ray from a surface meets, if anything, is nothing near that.
@@ -268,16 +273,16 @@ impl<'a> Way<'a> {
         [2.0 * BLURRED, out]
     }
 
-    /// Whether the ray starts in a prism of air, or nearer than so many metres to one face of it: where it starts beside more, what stands behind one of them
+    /// Whether the ray starts in a prism of air, or beside one face of it: where it starts beside more, what stands behind one of them
     /// may come before another by what cells are blurred.
     #[inline(always)]
-    fn starts_beside<L: Lanes>(&self, cell: u32, near: f64) -> bool {
+    fn starts_beside<L: Lanes>(&self, cell: u32) -> bool {
         let (Some(step), Some(record)) =
             (self.tables.steps.get(cell as usize), self.tables.cells.get(cell as usize))
         else {
             return false;
         };
-        let ([_, out], rounding) = (self.margins(), f64::from(self.rounding));
+        let ([near, out], rounding) = (self.margins(), f64::from(self.rounding));
         let (mut beside, mut is_in) = if step.is_some() {
             let (inward, size) = step.inward::<L>([self.from.x, self.from.y]);
             let edges = (1u32 << step.corners) - 1;

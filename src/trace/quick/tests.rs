@@ -196,7 +196,7 @@ fn what_a_place_is_beside_is_told_alike() {
                 let ray = Ray::new((origin + turned).to_array(), way);
                 let Some(way) = Way::new(tables, &ray) else { continue };
                 let exit = way.leave_from_face::<Portable>(cell);
-                let starts = way.starts_beside::<Portable>(cell, way.margins()[0]);
+                let starts = way.starts_beside::<Portable>(cell);
                 // It may be in doubt for other reasons, and is by what f32 rounds.
                 assert!(starts || exit.link == Step::OTHER, "{cell} {ray:?}");
                 let [near, out] = way.margins();
