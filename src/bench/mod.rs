@@ -13,7 +13,9 @@ mod tracers;
 mod way;
 
 pub use cells::{CrossingOptions, Crossings, crossings};
-pub use error::{ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, ImageError, Spread, error};
+pub use error::{
+    Compare, ErrorFailure, ErrorOptions, ErrorReport, ErrorRow, Errors, ImageError, Spread, error,
+};
 pub use frozen::{FrozenError, FrozenScene};
 pub use robust::{Damage, RobustError, RobustOptions, RobustReport, RobustRow, robust};
 pub use skip::{SkipError, SkipOptions, SkipReport, SkipRow, Steps, Work, skip};

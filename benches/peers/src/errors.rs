@@ -85,5 +85,19 @@ pub fn errors(
     options.size = (arguments.size, arguments.size);
     options.repeat = arguments.repeat as u32;
     options.kernels = error_names().into_iter().filter(|name| is_wanted(name)).collect();
+    #[cfg(feature = "flip")]
+    {
+        options.flip = Some(flip);
+    }
     Ok(error(scene, &measured.model, &measured.views, &others, &options)?)
+}
+
+/// The mean of FLIP between two pictures, on a screen as its authors see one.
+#[cfg(feature = "flip")]
+fn flip((width, height): (u32, u32), told: &[u8], exact: &[u8]) -> f64 {
+    use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+
+    let [exact, told] = [exact, told].map(|picture| FlipImageRgb8::with_data(width, height, picture));
+    let map = nv_flip::flip(exact, told, DEFAULT_PIXELS_PER_DEGREE);
+    f64::from(FlipPool::from_image(&map).mean())
 }

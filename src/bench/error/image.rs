@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
+use crate::render::to_srgb;
 use crate::trace::Ray;
 
 /// The shade of nothing.
@@ -22,6 +23,32 @@ pub struct ImageError {
     pub relative_mse: f64,
     /// Pixels that are off by more than one of 255 steps.
     pub visible: u64,
+    /// How far apart the pictures look, by [`ErrorOptions::flip`](super::ErrorOptions::flip), the mean of the frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip: Option<f64>,
+}
+
+/// How far apart two pictures of so many columns and rows look, 0 to 1: the one that was told, and the exact one, a byte each of red, green and blue a
+/// pixel, in sRGB.
+pub type Compare = fn(size: (u32, u32), told: &[u8], exact: &[u8]) -> f64;
+
+/// The shades of a picture's pixels, as they were told, and exactly.
+#[derive(Clone, Default)]
+pub(super) struct Shades([Vec<u8>; 2]);
+
+impl Shades {
+    /// Adds a pixel; one of which nothing is told is as it should be.
+    pub(super) fn add(&mut self, shades: Option<[f64; 2]>) {
+        for (picture, shade) in self.0.iter_mut().zip(shades.unwrap_or_default()) {
+            picture.extend([(to_srgb(shade as f32) * 255.0).round() as u8; 3]);
+        }
+    }
+
+    /// How far apart they look.
+    pub(super) fn compared(&self, size: (u32, u32), compare: Compare) -> f64 {
+        let [told, exact] = &self.0;
+        compare(size, told, exact)
+    }
 }
 
 /// Errors of pixels being summed.
@@ -31,9 +58,16 @@ pub(super) struct Sum {
     squares: f64,
     relative: f64,
     visible: u64,
+    flip: Option<(f64, u32)>,
 }
 
 impl Sum {
+    /// Adds how far apart a frame and the exact one look.
+    pub(super) fn add_compared(&mut self, compared: f64) {
+        let (sum, frames) = self.flip.unwrap_or_default();
+        self.flip = Some((sum + compared, frames + 1));
+    }
+
     pub(super) fn add(&mut self, told: f64, exact: f64) {
         let square = (told - exact) * (told - exact);
         self.count += 1;
@@ -49,6 +83,7 @@ impl Sum {
             rmse: (self.squares / count).sqrt(),
             relative_mse: self.relative / count,
             visible: self.visible,
+            flip: self.flip.map(|(sum, frames)| sum / f64::from(frames)),
         }
     }
 }

@@ -24,8 +24,9 @@ use crate::roles::roles;
 use crate::scene::Scene;
 use crate::trace::{Hit, Place, Ray};
 
-pub use image::ImageError;
+use image::Shades;
 pub(super) use image::shade as shade_of;
+pub use image::{Compare, ImageError};
 pub(super) use score::Sum;
 pub use score::{Errors, Spread};
 use score::{Judge, Score};
@@ -47,12 +48,15 @@ pub struct ErrorOptions {
     pub untagged: Untagged,
     /// On so many threads ways are timed; what they told is judged on all of the current pool.
     pub threads: usize,
+    /// FLIP (Andersson and others, A Difference Evaluator for Alternating Images, HPG 2020), if the caller brings it: what there is of it is C++, which
+    /// this crate does without.
+    pub flip: Option<Compare>,
 }
 
 impl Default for ErrorOptions {
     fn default() -> ErrorOptions {
         let (size, untagged) = ((256, 256), Untagged::default());
-        ErrorOptions { size, repeat: 3, kernels: error_names(), untagged, threads: 1 }
+        ErrorOptions { size, repeat: 3, kernels: error_names(), untagged, threads: 1, flip: None }
     }
 }
 
@@ -165,15 +169,22 @@ pub fn error(
         for (way, hits) in ways.iter().zip(&mut hits) {
             way.shown(camera, width, hits);
         }
+        let mut shades = vec![Shades::default(); ways.len()];
         for (first, block) in rays.chunks(BLOCK).enumerate() {
             let exact = crate::parallel::map(block.len(), |ray| truth.first(&block[ray]));
             tied += exact.iter().flatten().filter(|first| first.is_tie()).count() as u64;
-            scores = crate::parallel::map(ways.len(), |i| {
+            (scores, shades) = crate::parallel::map(ways.len(), |i| {
                 let hits = &hits[i][first * BLOCK..first * BLOCK + block.len()];
-                let mut sum = scores[i];
-                score(&judge, ways[i], block, &exact, hits, &mut sum);
-                sum
-            });
+                let (mut sum, mut shades) = (scores[i], shades[i].clone());
+                score(&judge, ways[i], block, &exact, hits, &mut sum, &mut shades);
+                (sum, shades)
+            })
+            .into_iter()
+            .unzip();
+        }
+        if let Some(flip) = options.flip {
+            let compared = crate::parallel::map(ways.len(), |i| shades[i].compared(options.size, flip));
+            scores.iter_mut().zip(compared).for_each(|(score, compared)| score.image.add_compared(compared));
         }
         for (seconds, times) in seconds.iter_mut().zip(&mut times) {
             *seconds += median(times);
@@ -205,11 +216,12 @@ fn score(
     exact: &[Option<First>],
     hits: &[Hit],
     score: &mut Score,
+    shades: &mut Shades,
 ) {
     let (mut from, mut onward, mut normals) = (Vec::new(), Vec::new(), Vec::new());
     for ((ray, hit), exact) in rays.iter().zip(hits).zip(exact) {
         let normal = if hit.t.is_finite() { way.normal(hit) } else { None };
-        judge.add(score, ray, exact.as_ref(), hit, normal);
+        shades.add(judge.add(score, ray, exact.as_ref(), hit, normal));
         if let Some(normal) = normal {
             let [origin, along, across] = [ray.origin, ray.direction, normal].map(DVec3::from);
             let (along, across) = (along.normalize(), across.normalize());

@@ -94,7 +94,7 @@ pub(super) struct Score {
     ulps: Sum,
     backward: Sum,
     normals: Sum,
-    image: image::Sum,
+    pub(super) image: image::Sum,
 }
 
 /// What rays are judged by.
@@ -117,7 +117,7 @@ impl Judge<'_> {
         met.filter_map(|(met, _)| self.normal(met.element.0, met.triangle, ray))
     }
 
-    /// Judges one answer; `normal` is what the way tells of it.
+    /// Judges one answer; `normal` is what the way tells of it. The pixel's shade, as it was told, and exactly.
     pub(super) fn add(
         &self,
         score: &mut Score,
@@ -125,13 +125,26 @@ impl Judge<'_> {
         exact: Option<&First>,
         hit: &Hit,
         normal: Option<[f64; 3]>,
-    ) {
+    ) -> Option<[f64; 2]> {
         score.rays += 1;
         let answer = hit.answer();
         let normal = normal.and_then(|normal| toward(DVec3::from(normal).try_normalize()?, ray));
         score.with_normals += u64::from(normal.is_some());
-        self.look(score, ray, exact, &answer, normal);
-        let off = match (&answer, exact) {
+        let shades = self.look(score, ray, exact, &answer, normal);
+        self.add_distance(score, ray, exact, &answer, normal);
+        shades
+    }
+
+    /// Judges how far off an answer is.
+    fn add_distance(
+        &self,
+        score: &mut Score,
+        ray: &Ray,
+        exact: Option<&First>,
+        answer: &Answer,
+        normal: Option<DVec3>,
+    ) {
+        let off = match (answer, exact) {
             (Answer::Hit(hit), Some(first)) => {
                 let is_there = first.met.iter().any(|(met, _)| met.element.0 == hit.element);
                 (is_there && hit.t.is_finite() && hit.t >= 0.0).then(|| first.off(hit.t).abs())
@@ -141,7 +154,7 @@ impl Judge<'_> {
         };
         if let Some(off) = off.filter(|off| *off <= self.truth.tolerance()) {
             score.backward.add(off);
-            if let (Answer::Hit(hit), Some(first)) = (&answer, exact) {
+            if let (Answer::Hit(hit), Some(first)) = (answer, exact) {
                 score.forward.add(off);
                 let t = first.t.max(SHORTEST);
                 score.ulps.add(off / (t.next_up() - t));
@@ -152,13 +165,13 @@ impl Judge<'_> {
             }
             return;
         }
-        score.leaks += u64::from(answer == Answer::Escaped && exact.is_some());
-        let verdict = self.truth.judge(ray, &answer).verdict;
+        score.leaks += u64::from(*answer == Answer::Escaped && exact.is_some());
+        let verdict = self.truth.judge(ray, answer).verdict;
         if !verdict.is_right() {
             score.wrong += 1;
             return;
         }
-        let off = match (verdict, &answer, exact) {
+        let off = match (verdict, answer, exact) {
             (Verdict::Flush { .. }, Answer::Hit(hit), Some(first)) => first.off(hit.t).abs(),
             _ => verdict.backward(),
         };
@@ -167,7 +180,7 @@ impl Judge<'_> {
         if is_tie { score.ties += 1 } else { score.beside += 1 }
     }
 
-    /// What the answer does to a picture.
+    /// What the answer does to a picture: the pixel's shade, and that which it has exactly; `None` if nothing is told of it.
     fn look(
         &self,
         score: &mut Score,
@@ -175,13 +188,12 @@ impl Judge<'_> {
         exact: Option<&First>,
         answer: &Answer,
         normal: Option<DVec3>,
-    ) {
+    ) -> Option<[f64; 2]> {
         let shade = |element: u32, normal: DVec3| image::shade(element, normal, ray);
         let told = match answer {
             Answer::Hit(hit) => normal.map(|normal| shade(hit.element, normal)),
             _ => Some(image::NOTHING),
-        };
-        let Some(told) = told else { return };
+        }?;
         // Of several exact ones the one that was told, if it is among them.
         let exactly = exact.and_then(|first| {
             let (met, _) = match answer {
@@ -193,7 +205,9 @@ impl Judge<'_> {
             let nearer = |a: DVec3, b: DVec3| if angle(told, b) < angle(told, a) { b } else { a };
             Some(shade(met.element.0, self.normals(first, met.element.0, ray).reduce(nearer)?))
         });
-        score.image.add(told, exactly.unwrap_or(image::NOTHING));
+        let exactly = exactly.unwrap_or(image::NOTHING);
+        score.image.add(told, exactly);
+        Some([told, exactly])
     }
 
     /// Counts rays on from what was met that met the very plane again: the same element, nearer than the tolerance, with the same normal.

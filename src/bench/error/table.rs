@@ -37,6 +37,9 @@ const SIZES: &[Column] = &[
     ("visible", |r| r.errors.image.map_or("-".to_owned(), |image| image.visible.to_string())),
 ];
 
+/// How far apart pictures look, where it was asked for.
+const FLIP: Column = ("flip", |r| or_dash(r.errors.image.and_then(|image| image.flip)));
+
 fn short(number: f64) -> String {
     format!("{number:.1e}")
 }
@@ -55,14 +58,22 @@ impl ErrorReport {
 
     /// As aligned text: time beside what is wrong, then how far right answers are off.
     pub fn text(&self) -> String {
-        let [answers, sizes] = [ANSWERS, SIZES].map(|columns| aligned(&self.lines(columns), 1));
+        let [answers, sizes] = self.tables().map(|lines| aligned(&lines, 1));
         format!("{}\n{answers}\n{sizes}", self.head())
     }
 
     /// As two tables of Markdown.
     pub fn markdown(&self) -> String {
-        let [answers, sizes] = [ANSWERS, SIZES].map(|columns| markdown(&self.lines(columns), 1));
+        let [answers, sizes] = self.tables().map(|lines| markdown(&lines, 1));
         format!("{}.\n\n{answers}\n{sizes}", self.head())
+    }
+
+    /// The lines of both tables.
+    fn tables(&self) -> [Vec<Vec<String>>; 2] {
+        let is_compared =
+            self.rows.iter().any(|row| row.errors.image.is_some_and(|image| image.flip.is_some()));
+        let sizes: Vec<Column> = SIZES.iter().copied().chain(is_compared.then_some(FLIP)).collect();
+        [self.lines(ANSWERS), self.lines(&sizes)]
     }
 
     /// The names of columns, then what each row has there.

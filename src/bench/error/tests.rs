@@ -51,12 +51,22 @@ fn measured_on(
     change: impl Fn(usize, &mut Hit) + Sync,
     onward: impl Fn(&Hit, &Ray, Hit) -> Hit + Sync,
 ) -> ErrorReport {
+    measured_with(style, names, None, change, onward)
+}
+
+fn measured_with(
+    style: &Style,
+    names: &[&str],
+    flip: Option<Compare>,
+    change: impl Fn(usize, &mut Hit) + Sync,
+    onward: impl Fn(&Hit, &Ray, Hit) -> Hit + Sync,
+) -> ErrorReport {
     let model = house(&HouseOptions::default()).export(style).to_model().unwrap();
     let scene = Arc::new(compile(&model, &CompileOptions::default()).unwrap().scene());
     assert_eq!(scene.elements().any(|element| element.is_derived()), style.openings_missing > 0.0);
     let views: Vec<Camera> = room_views(&scene, 1).into_iter().take(3).collect();
     let kernels = names.iter().map(|name| (*name).to_owned()).collect();
-    let options = ErrorOptions { size: (24, 20), repeat: 1, kernels, ..ErrorOptions::default() };
+    let options = ErrorOptions { size: (24, 20), repeat: 1, kernels, flip, ..ErrorOptions::default() };
     let way = Changed { scene: Arc::clone(&scene), change, onward };
     let report = error(&scene, &model, &views, &[&way], &options).unwrap();
     assert_eq!((report.frames, report.pixels), (3, 3 * 24 * 20));
@@ -277,4 +287,28 @@ fn reports_are_drawn_and_written() {
     let row = markdown.lines().find(|line| line.starts_with("| three")).unwrap();
     let head = markdown.lines().find(|line| line.starts_with("| way")).unwrap();
     assert_eq!(row.matches('|').count(), head.matches('|').count());
+}
+
+#[test]
+fn pictures_are_compared_frame_by_frame() {
+    /// The share of bytes that differ.
+    fn differing(size: (u32, u32), told: &[u8], exact: &[u8]) -> f64 {
+        assert!(size == (24, 20) && told.len() == 3 * 24 * 20 && exact.len() == told.len());
+        told.iter().zip(exact).filter(|(told, exact)| told != exact).count() as f64 / told.len() as f64
+    }
+    let compared = |change: &(dyn Fn(usize, &mut Hit) + Sync)| {
+        let report = measured_with(&Style::exact(), &[], Some(differing), change, |_, _, hit| hit);
+        let text = report.text();
+        assert!(text.contains("flip"), "{text}");
+        report.rows[0].errors.image.unwrap().flip.unwrap()
+    };
+    assert_eq!(compared(&|_, _| {}), 0.0);
+    // One pixel of twelve is black; of some of them nothing was met.
+    let black = compared(&|index, hit| {
+        if index % 12 == 0 {
+            *hit = Hit::ESCAPED;
+        }
+    });
+    assert!(black > 0.05 && black <= 1.0 / 12.0, "{black}");
+    assert!(!measured(&[], |_, _| {}).text().contains("flip"), "nobody asked");
 }
