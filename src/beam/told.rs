@@ -83,7 +83,7 @@ impl Told {
         let is_border = |&index: &usize| {
             let own = self.surfaces[index];
             // By itself it may be through a corner, of what no pixel beside shows.
-            let is_alone = around(index).all(|beside| self.surfaces[beside] != own);
+            let is_alone = own != shade::UNSURE && around(index).all(|beside| self.surfaces[beside] != own);
             is_alone
                 || around(index).any(|beside| {
                     let other = self.surfaces[beside];
@@ -122,7 +122,8 @@ impl Told {
 
 /// Whether two hits are in one place.
 fn is_same(one: &Hit, other: &Hit) -> bool {
-    one.t == other.t || (one.t - other.t).abs() <= SAME * (1.0 + other.t)
+    // What is infinite is the same as nothing else.
+    one.t == other.t || other.t.is_finite() && (one.t - other.t).abs() <= SAME * (1.0 + other.t)
 }
 
 /// All pixels of the picture that `camera` takes, so many pixels wide and high, each with its ray.
@@ -130,4 +131,17 @@ pub(crate) fn pixels(camera: &Camera, width: u32, height: u32) -> impl Iterator<
     let pinhole = camera.pinhole(width, height);
     let places = (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
     places.map(move |(x, y)| pinhole.ray(x, y)).enumerate()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_escapes_is_not_the_same_as_what_is_met() {
+        let met = Hit { t: 3.0, triangle: 1, ..Hit::ESCAPED };
+        assert!(!is_same(&met, &Hit::ESCAPED) && !is_same(&Hit::ESCAPED, &met));
+        assert!(is_same(&Hit::ESCAPED, &Hit::ESCAPED) && is_same(&met, &Hit { t: 3.0 + 1e-10, ..met }));
+        assert!(!is_same(&met, &Hit { t: 3.001, ..met }) && !is_same(&met, &Hit::in_solid(1, 0)));
+    }
 }

@@ -12,7 +12,7 @@ pub struct Cost {
     pub tests: u32,
     /// Prisms crossed.
     pub cells: u32,
-    /// Walks from cell to cell that could not tell, and were answered by the hierarchy of all triangles.
+    /// Times that the hierarchy of all triangles was asked, since it was in doubt what cells tell.
     pub unsure: u32,
     /// Of the prisms, those with nothing in them: no hierarchy was entered.
     pub empty: u32,
@@ -123,7 +123,7 @@ pub(super) trait Count {
     /// A plane was met, and no triangle tested.
     #[inline(always)]
     fn plain(&mut self) {}
-    /// A walk from cell to cell could not tell, and all triangles are asked.
+    /// It is in doubt what cells tell, and all triangles are asked.
     #[inline(always)]
     fn unsure(&mut self) {}
 }

@@ -34,18 +34,26 @@ pub enum Start<'a> {
     /// In the air: of this cell, if it is in it; else its cell is found.
     Cell(u32),
     /// On the surface of this hit, to the side from which its ray came, or through it: the surface itself is not met
-    /// again. The walk begins in the hit's cell.
+    /// again. A ray that is followed from cell to cell begins in the hit's cell.
     Hit(&'a Hit),
 }
 
 /// What a ray meets.
 enum Met {
-    /// This, perhaps behind its end.
+    /// This, the ray being perhaps another than was asked, with an end farther on.
     At(Line, Ended),
     /// Nothing.
     Nothing,
     /// It starts inside this solid element.
     InSolid(u32),
+}
+
+impl Met {
+    /// What a ray meets that ends at `tmax`.
+    fn before(tmax: f64, line: Line, ended: Ended) -> Met {
+        let is_met = ended.found.triangle != NONE && ended.found.t <= tmax;
+        if is_met { Met::At(line, ended) } else { Met::Nothing }
+    }
 }
 
 impl Start<'_> {
@@ -81,7 +89,8 @@ impl Default for Want {
 }
 
 impl Want {
-    /// Only what costs nothing, and the cell, which is looked up where the ray was not followed from cell to cell: one from outside of them.
+    /// Only what costs nothing, and the cell, which is looked up where the ray was not followed from cell to cell: one from outside of them, or one that
+    /// passes an edge so near that cells do not tell on which side.
     pub const LEAST: Want = Want { room: false, face: false, triangle: false };
 
     /// The same, and the kind of the face.
@@ -163,10 +172,8 @@ impl Scene {
         let none = Brief::ESCAPED;
         match self.meets_in_doubt(start, ray, &mut Plain { kernel, ask: Ask::First }) {
             // Not -0.
-            Met::At(_, Ended { found, cell, .. }) if found.t <= ray.tmax => {
-                (found.t + 0.0, [found.triangle, cell])
-            }
-            Met::At(..) | Met::Nothing => (none.t, [none.triangle, none.cell]),
+            Met::At(_, Ended { found, cell, .. }) => (found.t + 0.0, [found.triangle, cell]),
+            Met::Nothing => (none.t, [none.triangle, none.cell]),
             Met::InSolid(_) => (f64::NAN, [none.triangle, none.cell]),
         }
     }
@@ -423,20 +430,21 @@ impl Scene {
     #[inline]
     fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let met = self.meets(start, ray, probe);
-        self.describe_met(ray, met, want)
+        self.describe_met(met, want)
     }
 
-    /// The same of a ray that the quick way left in doubt.
+    /// The answer to a ray that the quick way left in doubt.
     #[inline]
     fn answer_doubt<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let met = self.meets_in_doubt(start, ray, probe);
-        self.describe_met(ray, met, want)
+        self.describe_met(met, want)
     }
 
-    fn describe_met(&self, ray: &Ray, met: Met, want: Want) -> Hit {
+    /// What a ray meets as a record.
+    fn describe_met(&self, met: Met, want: Want) -> Hit {
         match met {
-            Met::At(line, ended) if ended.found.t <= ray.tmax => self.describe(&line, ended, want),
-            Met::At(..) | Met::Nothing => Hit::ESCAPED,
+            Met::At(line, ended) => self.describe(&line, ended, want),
+            Met::Nothing => Hit::ESCAPED,
             Met::InSolid(element) => Hit::in_solid(element, self.tables.elements[element as usize].semantic),
         }
     }
@@ -447,21 +455,22 @@ impl Scene {
         self.meets_of_all(start, ray, probe).unwrap_or_else(|| self.meets(start, ray, probe))
     }
 
-    /// The same by all triangles, if what is in doubt is not where it starts: of ten such rays the careful walk through cells is in doubt about nine, too, and takes longer
-    /// to find that out than all triangles to tell.
+    /// What such a ray meets of all triangles, if what is in doubt is not where it starts: of ten of these the careful walk through cells is in doubt about nine, too, and takes
+    /// longer to find that out than all triangles to tell.
     fn meets_of_all<P: Probe>(&self, start: Start<'_>, ray: &Ray, probe: &mut P) -> Option<Met> {
         let tables = &self.tables;
         if tables.cells.len() == 1 || !takes(tables, ray) {
             return None;
         }
         let Some(line) = Line::new(tables, ray) else { return Some(Met::Nothing) };
-        let met = |line: Line, ended: Ended| {
-            if ended.found.triangle == NONE { Met::Nothing } else { Met::At(line, ended) }
-        };
         match start {
             Start::Cell(cell) if tables.is_air(cell) => {
+                let prisms = Prisms::new(tables);
+                if !prisms.nearly_holds(&tables.cells[cell as usize], prisms.local(line.origin), 0.0) {
+                    return None;
+                }
                 probe.unsure();
-                Some(met(line, among_all(tables, &line, None, probe)))
+                Some(Met::before(ray.tmax, line, among_all(tables, &line, None, probe)))
             }
             Start::Hit(hit) => {
                 let surface = surface_of(hit, line.origin, line.tmin);
@@ -473,7 +482,7 @@ impl Scene {
                 let line = Line { tmax: f64::INFINITY, ..line };
                 let ended = among_all(tables, &line, Some(&surface), probe);
                 let is_told = is_clear_of(&surface, ended.found) && !self.is_back(&line, ended.found);
-                is_told.then(|| met(line, ended))
+                is_told.then(|| Met::before(ray.tmax, line, ended))
             }
             _ => None,
         }
@@ -570,7 +579,7 @@ impl Scene {
         {
             return Met::InSolid(element);
         }
-        if ended.found.triangle == NONE { Met::Nothing } else { Met::At(line, ended) }
+        Met::before(ray.tmax, line, ended)
     }
 
     /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else
@@ -828,7 +837,7 @@ pub(super) fn is_away(surface: &Surface, line: &Line) -> bool {
 #[inline]
 pub(super) fn known<'a>(start: Start<'a>, ray: &Ray, cell: Option<u32>) -> Start<'a> {
     match (start, cell) {
-        (Start::Anywhere, Some(cell)) if ray.tmin <= 0.0 => Start::Cell(cell),
+        (Start::Anywhere | Start::Cell(_), Some(cell)) if ray.tmin <= 0.0 => Start::Cell(cell),
         _ => start,
     }
 }

@@ -20,8 +20,8 @@ impl Truth {
     pub fn witness_at(&self, ray: &Ray, corners: &Corners, element: ElementId, t: f64) -> Option<f64> {
         /// Shares of the way to the triangle's middle: at the point itself others may be met as well, and inward of an edge a face before that.
         const INWARD: [f64; 6] = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4];
-        /// Surfaces around the start that the witness may begin behind.
-        const MOST_LEFT: usize = 4;
+        /// So many surfaces are looked at, from the start on; behind all but the last of them the witness may begin.
+        const MOST_MET: usize = 5;
         let line = Line::new(ray)?;
         if !(t >= first_t(ray) && t <= ray.tmax && t.is_finite()) {
             return None;
@@ -45,8 +45,9 @@ impl Truth {
             let beside = Exactly { origin, ..Exactly::new(ray) };
             let near = Ray { origin: beside.origin.each_ref().map(|c| c.to_f64().value()), ..*ray };
             // Along itself it is moved out of what it starts inside of, and past what it starts on or hardly behind.
-            let mut ahead = self.way_out(&near, start)?;
-            for _ in 0..MOST_LEFT {
+            let way_out = self.way_out(&near, start)?;
+            let mut ahead = way_out;
+            for _ in 0..MOST_MET {
                 let aside = across.hypot(ahead);
                 if aside > self.tolerance {
                     return None;
@@ -56,15 +57,19 @@ impl Truth {
                 let begin = first_t(ray) + ahead;
                 let near = Ray { tmin: begin - rounding, tmax: ray.tmax + rounding, ..near };
                 let first = self.first_until(&beside, &Line::new(&near)?, &near, t + self.tolerance)?;
+                // Behind a surface that it met it may have come into a solid, which is seen where it is deepest in that.
+                let halfway = 0.5 * (first.t - begin).max(0.0);
+                if begin > first_t(ray) + way_out
+                    && !self.solids_at(add(start, scale(line.direction, ahead + halfway))).is_empty()
+                {
+                    return None;
+                }
                 let off = first.off(t).abs();
                 let displacement = if off <= rounding { aside } else { across.hypot(ahead.max(off)) };
                 if first.met.iter().any(|(met, _)| met.element == element) && displacement <= self.tolerance {
                     return Some(displacement);
                 }
                 ahead += (first.t - begin).max(0.0) + 2.0 * rounding;
-                if !self.is_out(add(start, scale(line.direction, ahead))) {
-                    return None;
-                }
             }
             None
         })

@@ -141,7 +141,7 @@ pub(super) fn quick_from<L: Entries, C: Count>(
     way.clear(quick)
 }
 
-/// Whether the quick way takes such a ray at all: one that it left in doubt is in doubt for what it comes to.
+/// Whether the quick way takes such a ray at all: one that it left in doubt is then in doubt for where it starts, or for what it comes to.
 #[cold]
 #[inline(never)]
 pub(super) fn takes(tables: &Views, ray: &Ray) -> bool {
@@ -158,8 +158,10 @@ pub(super) fn starts_clear(tables: &Views, ray: &Ray, cell: u32, surface: &Surfa
     else {
         return false;
     };
-    let margins = [FROM_SURFACE, way.margins()[1]];
-    Prisms::new(tables).leaves_faces(record, [way.from, way.along], margins, SKIMMING)
+    // To no other face it comes sooner.
+    let near = FROM_SURFACE;
+    let [_, out] = way.margins();
+    Prisms::new(tables).leaves_faces(record, [way.from, way.along], [near, out], SKIMMING)
 }
 
 /// Whether what a ray from a surface meets, if anything, is nothing near that.
