@@ -130,9 +130,12 @@ impl Scene {
     pub fn trace_with(&self, kernel: Kernel, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
         match self.quick(kernel, start, ray) {
             Ok(quick) => self.describe_quick(ray, &quick, want),
-            Err(cell) => {
-                self.answer_doubt(known(start, ray, cell), ray, want, &mut Plain { kernel, ask: Ask::First })
-            }
+            Err(cell) => self.answer_in_doubt(
+                known(start, ray, cell),
+                ray,
+                want,
+                &mut Plain { kernel, ask: Ask::First },
+            ),
         }
     }
 
@@ -381,7 +384,7 @@ impl Scene {
             return (self.describe_quick(ray, &found, want), cost);
         }
         cost = Cost::default();
-        let hit = self.answer_doubt(known(start, ray, cell), ray, want, &mut cost);
+        let hit = self.answer_in_doubt(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
     }
 
@@ -415,27 +418,21 @@ impl Scene {
     /// The answer without the quick way.
     #[cfg(all(feature = "compile", any(test, feature = "render")))]
     pub(crate) fn careful(&self, start: Start<'_>, ray: &Ray, want: Want) -> Hit {
-        self.answer(start, ray, want, &mut Plain { kernel: self.kernel, ask: Ask::First })
+        let met = self.meets(start, ray, &mut Plain { kernel: self.kernel, ask: Ask::First });
+        self.describe_met(met, want)
     }
 
     /// The same, with what it took.
     #[cfg(all(feature = "compile", feature = "render"))]
     pub(crate) fn careful_cost(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
-        let hit = self.answer(start, ray, want, &mut cost);
-        (hit, cost)
-    }
-
-    /// The answer, `probe` running the walks.
-    #[inline]
-    fn answer<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
-        let met = self.meets(start, ray, probe);
-        self.describe_met(met, want)
+        let met = self.meets(start, ray, &mut cost);
+        (self.describe_met(met, want), cost)
     }
 
     /// The answer to a ray that the quick way left in doubt.
     #[inline]
-    fn answer_doubt<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
+    fn answer_in_doubt<P: Probe>(&self, start: Start<'_>, ray: &Ray, want: Want, probe: &mut P) -> Hit {
         let met = self.meets_in_doubt(start, ray, probe);
         self.describe_met(met, want)
     }
