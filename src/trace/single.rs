@@ -361,7 +361,7 @@ impl Scene {
         (best.triangle != NONE).then_some(best.triangle)
     }
 
-    /// As [`Scene::trace_from`], with what it took to find the answer. Slower: for pictures of the cost.
+    /// As [`Scene::trace_from`], with what it took to find the answer, in vain or not. Slower: for pictures of the cost.
     pub fn trace_cost_from(&self, start: Start<'_>, ray: &Ray, want: Want) -> (Hit, Cost) {
         let mut cost = Cost::default();
         let (tables, cell) = (&self.tables, self.start_cell(start, ray));
@@ -383,7 +383,7 @@ impl Scene {
         if let Some(found) = found {
             return (self.describe_quick(ray, &found, want), cost);
         }
-        cost = Cost::default();
+        // What was done in vain is done, too.
         let hit = self.answer_in_doubt(known(start, ray, cell), ray, want, &mut cost);
         (hit, cost)
     }
