@@ -44,6 +44,11 @@ impl Shades {
         }
     }
 
+    /// Adds the pixels that come next.
+    pub(super) fn append(&mut self, next: Shades) {
+        self.0.iter_mut().zip(next.0).for_each(|(picture, next)| picture.extend(next));
+    }
+
     /// How far apart they look.
     pub(super) fn compared(&self, size: (u32, u32), compare: Compare) -> f64 {
         let [told, exact] = &self.0;

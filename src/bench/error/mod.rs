@@ -173,14 +173,16 @@ pub fn error(
         for (first, block) in rays.chunks(BLOCK).enumerate() {
             let exact = crate::parallel::map(block.len(), |ray| truth.first(&block[ray]));
             tied += exact.iter().flatten().filter(|first| first.is_tie()).count() as u64;
-            (scores, shades) = crate::parallel::map(ways.len(), |i| {
+            let parts = crate::parallel::map(ways.len(), |i| {
                 let hits = &hits[i][first * BLOCK..first * BLOCK + block.len()];
-                let (mut sum, mut shades) = (scores[i], shades[i].clone());
-                score(&judge, ways[i], block, &exact, hits, &mut sum, &mut shades);
-                (sum, shades)
-            })
-            .into_iter()
-            .unzip();
+                let (mut sum, mut part) = (scores[i], options.flip.map(|_| Shades::default()));
+                score(&judge, ways[i], block, &exact, hits, &mut sum, part.as_mut());
+                (sum, part)
+            });
+            for (i, (sum, part)) in parts.into_iter().enumerate() {
+                scores[i] = sum;
+                part.into_iter().for_each(|part| shades[i].append(part));
+            }
         }
         if let Some(flip) = options.flip {
             let compared = crate::parallel::map(ways.len(), |i| shades[i].compared(options.size, flip));
@@ -216,12 +218,13 @@ fn score(
     exact: &[Option<First>],
     hits: &[Hit],
     score: &mut Score,
-    shades: &mut Shades,
+    mut shades: Option<&mut Shades>,
 ) {
     let (mut from, mut onward, mut normals) = (Vec::new(), Vec::new(), Vec::new());
     for ((ray, hit), exact) in rays.iter().zip(hits).zip(exact) {
         let normal = if hit.t.is_finite() { way.normal(hit) } else { None };
-        shades.add(judge.add(score, ray, exact.as_ref(), hit, normal));
+        let pixel = judge.add(score, ray, exact.as_ref(), hit, normal);
+        shades.iter_mut().for_each(|shades| shades.add(pixel));
         if let Some(normal) = normal {
             let [origin, along, across] = [ray.origin, ray.direction, normal].map(DVec3::from);
             let (along, across) = (along.normalize(), across.normalize());
