@@ -688,3 +688,8 @@ fn a_ray_within_an_open_wall_went_through_its_other_side() {
         seeded(1184, "house-damaged", Family::Borders, index);
     }
 }
+
+#[test]
+fn a_ray_from_a_wall_met_behind_it_the_corner_that_it_had_passed() {
+    seeded(332, "house-cad", Family::AlongEdges, 5036);
+}

@@ -365,7 +365,7 @@ impl<'s> Query<'s> {
             return t >= surface.tmin;
         }
         let side = surface.normal * surface.normal.dot(self.direction).signum();
-        if !is_in_plane && self.leaves_edge(&[a, b, c], normal, side, near) {
+        if self.leaves_edge(&[a, b, c], normal, (!is_in_plane).then_some(side), near) {
             return false;
         }
         let volume = walk.volume_of(index);
@@ -391,18 +391,20 @@ impl<'s> Query<'s> {
         }
     }
 
-    /// Whether the ray starts beside an edge of a triangle, by `near`, that it leaves, and that the triangle goes from to behind the surface on
-    /// which the ray starts: a face that goes on behind the end of a wall. `side` is the surface's normal on the side to which the ray goes.
-    fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: DVec3, near: f64) -> bool {
+    /// Whether the ray starts beyond an edge of a triangle that it leaves: what it met behind its origin it has passed. Or beside such an edge, by `near`,
+    /// that the triangle goes from to behind the surface on which the ray starts: a face that goes on behind the end of a wall. `side` is that surface's
+    /// normal on the side to which the ray goes, if the triangle is in another plane.
+    fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: Option<DVec3>, near: f64) -> bool {
         /// It does not leave an edge along which it runs, but for rounding.
         const ALONG: f64 = 1e-12;
         (0..3).any(|i| {
             let (from, way) = (corners[i], corners[(i + 1) % 3] - corners[i]);
             let inward = normal.cross(way);
-            let off = (self.origin - from).dot(inward).abs();
-            off <= near * inward.length()
-                && inward.dot(self.direction) < -ALONG * inward.length()
-                && inward.dot(side) < 0.0
+            let size = inward.length();
+            let within = (self.origin - from).dot(inward);
+            let is_beyond = within < -near * size;
+            let goes_behind = side.is_some_and(|side| inward.dot(side) < 0.0);
+            inward.dot(self.direction) < -ALONG * size && (is_beyond || goes_behind && within <= near * size)
         })
     }
 }
