@@ -3,8 +3,8 @@
 use super::cost::Count;
 use super::kernel::Ask;
 use super::lanes::Lanes;
+use super::line::Line;
 use super::quick::{Quick, nothing};
-use super::single::Line;
 use super::walk::{Found, Walk, walk};
 use crate::NONE;
 use crate::format::Views;

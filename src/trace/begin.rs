@@ -16,7 +16,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::NONE;
-use super::single::Line;
+use super::line::Line;
 use super::walk::{Found, Surface};
 use crate::scene::Scene;
 

@@ -17,9 +17,9 @@
 
 use super::NONE;
 use super::kernel::Probe;
+use super::line::Line;
 use super::meet::{Surfaces, runs_along};
 use super::path::{BEYOND, BLURRED, Exit, NEAR, Path, Prisms};
-use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk};
 use crate::format::Views;
 use crate::format::records::CellRecord;

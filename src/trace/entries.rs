@@ -135,9 +135,9 @@ pub(super) mod portable {
     use crate::trace::free;
     use crate::trace::kernel::Ask;
     use crate::trace::lanes::Portable;
+    use crate::trace::line::Line;
     use crate::trace::quick::{self, Quick};
     use crate::trace::ray::Ray;
-    use crate::trace::single::Line;
     use crate::trace::walk::Surface;
 
     /// What a ray meets of all triangles.
@@ -204,9 +204,9 @@ macro_rules! entries {
         use $crate::trace::entries::Entries;
         use $crate::trace::free;
         use $crate::trace::kernel::Ask;
+        use $crate::trace::line::Line;
         use $crate::trace::quick::{self, Exit, Quick};
         use $crate::trace::ray::Ray;
-        use $crate::trace::single::Line;
         use $crate::trace::step;
         use $crate::trace::walk::{self, Found, Opened, Query, Surface, Walk};
 

@@ -3,10 +3,10 @@
 use super::cost::{Cost, Count};
 use super::entries::portable;
 use super::lanes::Portable;
+use super::line::Line;
 use super::packet::Answers;
 use super::quick::Quick;
 use super::ray::Ray;
-use super::single::Line;
 use super::walk::{Found, Query, Surface, Walk, walk};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};

@@ -7,7 +7,7 @@ use super::NONE;
 use super::begin::{ASIDE, aside, both_ways};
 use super::cells::among_all;
 use super::kernel::{Ask, Plain};
-use super::single::Line;
+use super::line::Line;
 use super::walk::{Found, ROUNDING, Surface, Walk};
 use crate::format::records::{Facing, VolumeRecord};
 use crate::scene::Scene;

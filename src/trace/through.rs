@@ -9,8 +9,9 @@ use arrayvec::ArrayVec;
 use super::NONE;
 use super::cells::Ended;
 use super::kernel::Ask;
+use super::line::{Line, is_away, surface, surface_of};
 use super::ray::{Hit, Ray};
-use super::single::{Line, Start, Want, is_away, surface, surface_of};
+use super::single::{Start, Want};
 use super::walk::Walk;
 use crate::scene::Scene;
 

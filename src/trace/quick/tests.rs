@@ -6,8 +6,8 @@ use crate::generate::{HouseOptions, Style, house};
 use crate::samples::Sample;
 use crate::splitmix::SplitMix64;
 use crate::trace::lanes::Portable;
+use crate::trace::line::surface_of;
 use crate::trace::path::Prisms;
-use crate::trace::single::surface_of;
 use crate::trace::{Hit, Kernel, Place, Start, Want};
 use crate::{CompileOptions, Scene, compile};
 
