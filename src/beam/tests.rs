@@ -12,7 +12,8 @@ use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
 use crate::format::records::Facing;
 use crate::generate::{HouseOptions, RoundRoomOptions, Style, house, round_room};
-use crate::importers::Semantic;
+use crate::importers::{Material, MaterialId, Semantic};
+use crate::packets::Packets;
 use crate::render::{Camera, room_views};
 use crate::samples::Sample;
 use crate::trace::{Hit, Kernel, NONE, Place, Prisms, Ray, Starts, Want};
@@ -93,6 +94,49 @@ fn pixels_show_what_rays_meet() {
         assert!(sum.unsure * 1000 <= sum.pixels, "{name}: {} unsure of {}", sum.unsure, sum.pixels);
         assert!(sum.ties * 50_000 <= sum.pixels, "{name}: {} ties of {}", sum.ties, sum.pixels);
         assert!(sum.wrong.is_empty(), "{name}: {} wrong, {:?}", sum.wrong.len(), sum.wrong[0]);
+    }
+}
+
+/// Small enough for an interpreter that checks every access to memory (docs/STRESS.md): a room with a wall, a ground, a stool and a sheet of glass, by every kernel.
+#[test]
+fn every_kernel_draws_a_small_scene() {
+    use crate::oracle::fixtures::{Shape, model};
+    let mut model = model(&[
+        (Semantic::Room, Shape::cuboid([0.0; 3], [4.0, 3.0, 2.5])),
+        (Semantic::Wall, Shape::cuboid([4.0, -0.2, 0.0], [4.3, 3.2, 2.5])),
+        (Semantic::Ground, Shape::cuboid([0.0, 0.0, -0.3], [4.0, 3.0, 0.0])),
+        (Semantic::Furniture, Shape::prism(5, 0.4, 0.5, 0.9)),
+        (Semantic::Furniture, Shape::cuboid([2.0, 1.0, 0.5], [2.01, 2.0, 1.5])),
+    ]);
+    let glass = Material { alpha: 0.3, base_color: [0.2, 0.7, 0.9], ..Material::default() };
+    model.materials.push(glass);
+    let glass = MaterialId(model.materials.len() as u32 - 1);
+    let pane = &mut model.elements.last_mut().unwrap().mesh;
+    pane.materials = vec![glass; pane.triangles.len()];
+    let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
+    let camera = Camera::looking([0.7, 1.3, 1.2], [1.0, 0.1, -0.2], [0.0, 0.0, 1.0], 100.0).unwrap();
+    let [width, height] = [33u32, 9];
+    let drawn = |kernel: Kernel| {
+        let size = (width * height) as usize;
+        let [mut surfaces, mut light, mut through] = [0, 1, 2].map(|_| vec![0u32; size]);
+        let mut beams = Beams::new(&scene).with_kernel(kernel);
+        beams.surfaces(&camera, width, &mut surfaces);
+        beams.paint(&camera, width, &mut light);
+        Beams::new(&scene).with_kernel(kernel).through_glass().paint(&camera, width, &mut through);
+        let mut by_packets = vec![Hit::ESCAPED; size];
+        Packets::new(&scene).with_kernel(kernel).hits(&camera, width, Want::LEAST, &mut by_packets);
+        let met: Vec<u32> = by_packets.iter().map(|hit| hit.element).collect();
+        [surfaces, light, through, met]
+    };
+    let portable = drawn(Kernel::PORTABLE);
+    // The wall, the ground, the stool and the pane, the last with what is behind it.
+    let mut elements = portable[3].clone();
+    elements.sort_unstable();
+    elements.dedup();
+    assert!(elements.len() >= 4, "{elements:?}");
+    assert!(portable[1] != portable[2]);
+    for kernel in Kernel::available() {
+        assert!(drawn(kernel) == portable, "{kernel:?}");
     }
 }
 

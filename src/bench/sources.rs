@@ -260,11 +260,14 @@ impl Experiment<'_> {
             };
             let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
             let point = DVec3::from(hit.point);
-            // The face behind whose plane the hit lies.
-            let near = |(plate, corners): &&(Plate, Vec<DVec3>)| {
-                (DVec3::from(plate.normal).dot(point) - plate.offset).abs() < NEAR && holds(corners, point)
-            };
-            let Some((_, corners)) = plain.iter().find(near) else { continue };
+            // The face behind whose plane the hit lies: in a corner it is as near to others.
+            let normal = DVec3::from(hit.normal);
+            let off = |plate: &Plate| (DVec3::from(plate.normal).dot(point) - plate.offset).abs();
+            let near = plain.iter().find(|(plate, corners)| {
+                let is_parallel = DVec3::from(plate.normal).dot(normal).abs() > PARALLEL;
+                is_parallel && off(plate) < NEAR && holds(corners, point)
+            });
+            let Some((_, corners)) = near else { continue };
             let normal = newell(corners);
             let toward = normal.dot(direction);
             if toward.abs() > GRAZING {
@@ -302,6 +305,9 @@ impl Experiment<'_> {
 
 /// Nearer surfaces are flush, metres.
 const FLUSH: f64 = 1e-6;
+
+/// Of planes with a smaller cosine between their normals one is not the other.
+const PARALLEL: f64 = 0.999;
 
 /// A hit lies in the plane of a face from which it is no farther, metres: what walls that are not quite planar are off, and more.
 const NEAR: f64 = 1e-5;

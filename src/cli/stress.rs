@@ -18,14 +18,14 @@ use super::output;
 /// Ends with exit code 1 on any wrong answer, leak, panic, disagreement between ways, or where it is stuck. The report depends on the options alone, but for times.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long                                hours on many cores: all trials, a billion rays\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
+    after_help = "Examples:\n  enfilade stress                                       minutes\n  enfilade stress --long                                hours: all trials, a billion rays\n  enfilade stress --trials corridor,slivers --families along-edges --rays 100000\n  enfilade stress --trials house-cad --families edges --first 4711 --rays 1    one ray anew"
 )]
 pub struct Arguments {
     /// Rays in all, shared evenly among trials and families, but for trials whose rays take much longer, which get fewer.
     /// A million by default; with --long a billion.
     #[arg(long, value_name = "N")]
     rays: Option<u64>,
-    /// The long mode: more trials, more rays, a day of a core.
+    /// The long mode: more trials, more rays, nine hours of a core.
     #[arg(long)]
     long: bool,
     /// Only trials whose name holds one of these.

@@ -350,10 +350,16 @@ impl Views {
         super::map::check(self)
     }
 
-    /// How many bytes the sections of the map have.
+    /// How many sections rays have.
     #[cfg(all(feature = "compile", feature = "render"))]
-    pub(crate) fn map_bytes(&self) -> u64 {
-        self.map_unchecked.iter().map(|entry| entry.len).sum()
+    pub(crate) fn ray_sections() -> u64 {
+        Views::NAMES.len() as u64
+    }
+
+    /// How many sections the map has, and how many bytes these.
+    #[cfg(all(feature = "compile", feature = "render"))]
+    pub(crate) fn map_sections(&self) -> (u64, u64) {
+        (self.map_unchecked.len() as u64, self.map_unchecked.iter().map(|entry| entry.len).sum())
     }
 
     /// Works out what is in no file: what rays need of triangles, of each cell and of each source, side by side.

@@ -18,6 +18,8 @@ pub struct Cost {
     pub empty: u32,
     /// Faces whose plane was met without a look at triangles: on the quick way only.
     pub plain: u32,
+    /// Of the prisms, those whose floor and ceiling were taken for sloped: all that are not left on the quick way.
+    pub sloped: u32,
 }
 
 impl Cost {
@@ -48,25 +50,29 @@ pub struct Costs {
     pub empty: u64,
     /// See [`Cost::plain`].
     pub plain: u64,
+    /// See [`Cost::sloped`].
+    pub sloped: u64,
 }
 
 impl Costs {
     /// Adds a ray's.
     pub fn add(&mut self, cost: &Cost) {
-        let Cost { nodes, blocks, tests, cells, unsure, empty, plain } = *cost;
-        let one = [1, nodes, blocks, tests, cells, unsure, empty, plain].map(u64::from);
+        let Cost { nodes, blocks, tests, cells, unsure, empty, plain, sloped } = *cost;
+        let one = [1, nodes, blocks, tests, cells, unsure, empty, plain, sloped].map(u64::from);
         self.add_all(one);
     }
 
     /// Adds those of other rays.
     pub fn merge(&mut self, other: &Costs) {
-        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain } = *other;
-        self.add_all([rays, nodes, blocks, tests, cells, unsure, empty, plain]);
+        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain, sloped } = *other;
+        self.add_all([rays, nodes, blocks, tests, cells, unsure, empty, plain, sloped]);
     }
 
-    fn add_all(&mut self, steps: [u64; 8]) {
-        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain } = self;
-        for (sum, steps) in [rays, nodes, blocks, tests, cells, unsure, empty, plain].into_iter().zip(steps) {
+    fn add_all(&mut self, steps: [u64; 9]) {
+        let Costs { rays, nodes, blocks, tests, cells, unsure, empty, plain, sloped } = self;
+        for (sum, steps) in
+            [rays, nodes, blocks, tests, cells, unsure, empty, plain, sloped].into_iter().zip(steps)
+        {
             *sum += steps;
         }
     }
@@ -83,9 +89,10 @@ impl std::fmt::Display for Costs {
         writeln!(f, "{} rays; in the mean each", self.rays)?;
         writeln!(
             f,
-            "  crosses {:.3} cells, {:.3} of them with nothing in them",
+            "  crosses {:.3} cells, {:.3} of them with nothing in them, {:.3} between slopes",
             mean(self.cells),
-            mean(self.empty)
+            mean(self.empty),
+            mean(self.sloped)
         )?;
         writeln!(
             f,
@@ -114,9 +121,9 @@ pub(super) trait Count {
     /// A triangle was tested in f64.
     #[inline(always)]
     fn test(&mut self) {}
-    /// A prism was entered.
+    /// A prism was entered, its floor and its ceiling taken for sloped, or not: not asked where nothing is counted.
     #[inline(always)]
-    fn cell(&mut self) {}
+    fn cell(&mut self, _is_sloped: impl FnOnce() -> bool) {}
     /// There is nothing in the prism, and nothing was opened.
     #[inline(always)]
     fn empty(&mut self) {}
@@ -140,8 +147,9 @@ impl Count for Cost {
     fn test(&mut self) {
         self.tests = self.tests.saturating_add(1);
     }
-    fn cell(&mut self) {
+    fn cell(&mut self, is_sloped: impl FnOnce() -> bool) {
         self.cells = self.cells.saturating_add(1);
+        self.sloped = self.sloped.saturating_add(u32::from(is_sloped()));
     }
     fn empty(&mut self) {
         self.empty = self.empty.saturating_add(1);

@@ -25,9 +25,10 @@ fn frozen_scenes_are_what_the_generator_makes() {
         if !bless {
             assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
         }
-        // The largest takes longer than all others: of its eyes it is only asked that they are in boxes of rooms.
-        let compiled = (bless || scene.building != "build3")
-            .then(|| compile(&model, &CompileOptions::default()).unwrap().scene());
+        // Of large ones it is only asked that eyes are in boxes of rooms: compiling these is not what is tested.
+        let is_small = ["house", "round-room"].contains(&scene.building.as_str());
+        let compiled =
+            (bless || is_small).then(|| compile(&model, &CompileOptions::default()).unwrap().scene());
         if let Some(compiled) = compiled.as_ref().filter(|_| bless) {
             let views = room_views(compiled, 2);
             assert!(!views.is_empty(), "{}", scene.name);

@@ -73,6 +73,8 @@ pub struct Errors {
     pub ulps: Spread,
     /// How far away the parallel ray is whose exact answer was given, of right answers; for one on the ray itself, how far the distance is off.
     pub backward: Spread,
+    /// The same in units in the last place (f64) of the exact distance, or, where exactly nothing is met, of the told one.
+    pub backward_ulps: Spread,
     /// The angle, radians, between the lines of normals and those of the exact triangles; `None` if the way tells none.
     pub normals: Option<Spread>,
     /// How far a picture is off, shaded by a light at the camera, where the way tells a normal; `None` if it tells none.
@@ -93,6 +95,7 @@ pub(super) struct Score {
     forward: Sum,
     ulps: Sum,
     backward: Sum,
+    backward_ulps: Sum,
     normals: Sum,
     pub(super) image: image::Sum,
 }
@@ -153,11 +156,10 @@ impl Judge<'_> {
             _ => None,
         };
         if let Some(off) = off.filter(|off| *off <= self.truth.tolerance()) {
-            score.backward.add(off);
+            score.add_backward(off, exact, answer);
             if let (Answer::Hit(hit), Some(first)) = (answer, exact) {
                 score.forward.add(off);
-                let t = first.t.max(SHORTEST);
-                score.ulps.add(off / (t.next_up() - t));
+                score.ulps.add(off / ulp(first.t));
                 let angle = normal.and_then(|normal| {
                     self.normals(first, hit.element, ray).map(|exact| angle(normal, exact)).reduce(f64::min)
                 });
@@ -175,7 +177,7 @@ impl Judge<'_> {
             (Verdict::Flush { .. }, Answer::Hit(hit), Some(first)) => first.off(hit.t).abs(),
             _ => verdict.backward(),
         };
-        score.backward.add(off);
+        score.add_backward(off, exact, answer);
         let is_tie = off <= ROUNDING && exact.is_some_and(First::is_tie);
         if is_tie { score.ties += 1 } else { score.beside += 1 }
     }
@@ -226,6 +228,12 @@ impl Judge<'_> {
 }
 
 impl Score {
+    fn add_backward(&mut self, off: f64, exact: Option<&First>, answer: &Answer) {
+        self.backward.add(off);
+        let told = if let Answer::Hit(hit) = answer { hit.t } else { 0.0 };
+        self.backward_ulps.add(off / ulp(exact.map_or(told, |first| first.t)));
+    }
+
     pub(super) fn errors(&self) -> Errors {
         let tells_normals = self.with_normals > 0;
         Errors {
@@ -239,10 +247,17 @@ impl Score {
             forward: self.forward.spread(),
             ulps: self.ulps.spread(),
             backward: self.backward.spread(),
+            backward_ulps: self.backward_ulps.spread(),
             normals: tells_normals.then(|| self.normals.spread()),
             image: tells_normals.then(|| self.image.error()),
         }
     }
+}
+
+/// The unit in the last place of a distance.
+fn ulp(t: f64) -> f64 {
+    let t = t.max(SHORTEST);
+    t.next_up() - t
 }
 
 /// A unit normal on the side that the ray comes from; `None` for no vector.

@@ -20,18 +20,29 @@ const ANSWERS: &[Column] = &[
     ("doubles", |r| r.errors.double_hits.map_or("-".to_owned(), |count| count.to_string())),
 ];
 
-/// How far right answers are off.
-const SIZES: &[Column] = &[
+/// How far the distances of right answers are off, and how far aside these are.
+const DISTANCES: &[Column] = &[
     ("way", |r| r.kernel.clone()),
     ("max fwd m", |r| short(r.errors.forward.largest)),
     ("mean", |r| short(r.errors.forward.mean)),
     ("rms", |r| short(r.errors.forward.rms)),
     ("max ulps", |r| short(r.errors.ulps.largest)),
     ("mean", |r| short(r.errors.ulps.mean)),
+    ("rms", |r| short(r.errors.ulps.rms)),
     ("max back m", |r| short(r.errors.backward.largest)),
     ("mean", |r| short(r.errors.backward.mean)),
     ("rms", |r| short(r.errors.backward.rms)),
+    ("max ulps", |r| short(r.errors.backward_ulps.largest)),
+    ("mean", |r| short(r.errors.backward_ulps.mean)),
+    ("rms", |r| short(r.errors.backward_ulps.rms)),
+];
+
+/// How far normals and pictures are off.
+const LOOKS: &[Column] = &[
+    ("way", |r| r.kernel.clone()),
     ("max rad", |r| or_dash(r.errors.normals.map(|normals| normals.largest))),
+    ("mean", |r| or_dash(r.errors.normals.map(|normals| normals.mean))),
+    ("rms", |r| or_dash(r.errors.normals.map(|normals| normals.rms))),
     ("rmse", |r| or_dash(r.errors.image.map(|image| image.rmse))),
     ("rel. mse", |r| or_dash(r.errors.image.map(|image| image.relative_mse))),
     ("visible", |r| r.errors.image.map_or("-".to_owned(), |image| image.visible.to_string())),
@@ -56,24 +67,24 @@ impl ErrorReport {
         )
     }
 
-    /// As aligned text: time beside what is wrong, then how far right answers are off.
+    /// As aligned text: time beside what is wrong, then how far the distances of right answers are off, then normals and pictures.
     pub fn text(&self) -> String {
-        let [answers, sizes] = self.tables().map(|lines| aligned(&lines, 1));
-        format!("{}\n{answers}\n{sizes}", self.head())
+        let [answers, distances, looks] = self.tables().map(|lines| aligned(&lines, 1));
+        format!("{}\n{answers}\n{distances}\n{looks}", self.head())
     }
 
-    /// As two tables of Markdown.
+    /// As three tables of Markdown.
     pub fn markdown(&self) -> String {
-        let [answers, sizes] = self.tables().map(|lines| markdown(&lines, 1));
-        format!("{}.\n\n{answers}\n{sizes}", self.head())
+        let [answers, distances, looks] = self.tables().map(|lines| markdown(&lines, 1));
+        format!("{}.\n\n{answers}\n{distances}\n{looks}", self.head())
     }
 
-    /// The lines of both tables.
-    fn tables(&self) -> [Vec<Vec<String>>; 2] {
+    /// The lines of the tables.
+    fn tables(&self) -> [Vec<Vec<String>>; 3] {
         let is_compared =
             self.rows.iter().any(|row| row.errors.image.is_some_and(|image| image.flip.is_some()));
-        let sizes: Vec<Column> = SIZES.iter().copied().chain(is_compared.then_some(FLIP)).collect();
-        [self.lines(ANSWERS), self.lines(&sizes)]
+        let looks: Vec<Column> = LOOKS.iter().copied().chain(is_compared.then_some(FLIP)).collect();
+        [self.lines(ANSWERS), self.lines(DISTANCES), self.lines(&looks)]
     }
 
     /// The names of columns, then what each row has there.

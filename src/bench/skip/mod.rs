@@ -70,6 +70,28 @@ pub struct Steps {
     pub tests: f64,
     /// Planes met without a look at triangles.
     pub plain: f64,
+    /// Of the prisms, those whose floor and ceiling were taken for sloped.
+    pub sloped: f64,
+}
+
+/// What there is of something, and what is taken of it: the rest is skipped.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeldRow {
+    /// What.
+    pub what: &'static str,
+    /// The trait of scenes that have any; `None` if all have.
+    pub of_trait: Option<&'static str>,
+    /// How many there are.
+    pub all: u64,
+    /// How many of them a ray takes in the mean; of a file's, who opens it for rays.
+    pub taken: f64,
+}
+
+impl HeldRow {
+    /// The part that is left out, in percent; 0 where there are none.
+    pub fn skipped(&self) -> f64 {
+        if self.all == 0 { 0.0 } else { 100.0 * (1.0 - self.taken / self.all as f64) }
+    }
 }
 
 /// A skip: with it, and without it.
@@ -109,6 +131,8 @@ pub struct SkipReport {
     pub faces: [u64; 2],
     /// Random rays.
     pub rays: u64,
+    /// What the scene and its file hold, and what of that rays take.
+    pub held: Vec<HeldRow>,
     /// What is skipped for rays.
     pub rows: Vec<SkipRow>,
     /// What is skipped where a file is opened.
@@ -160,6 +184,7 @@ pub fn skip(model: &Model, options: &SkipOptions) -> Result<SkipReport, SkipErro
         cells: [air.len() as u64, air.iter().filter(|cell| cell.root == NONE).count() as u64],
         faces: [walls.len() as u64, walls.iter().filter(|flags| **flags & PLAIN != 0).count() as u64],
         rays: rays.len() as u64,
+        held: bench.held(&compiled.bytes)?,
         rows: bench.rows(&whole),
         files,
     })
@@ -219,6 +244,33 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
+    /// What there is, beside what rays take of it.
+    fn held(&self, bytes: &[u8]) -> Result<Vec<HeldRow>, FormatError> {
+        let tables = &self.scene.tables;
+        let counted =
+            |start: &Started| self.scene.trace_cost_from(Start::Cell(start.cell), &start.ray, Want::LEAST).1;
+        let taken = self.counted(&counted);
+        let air = || (0..tables.cells.len()).filter(|&cell| tables.cells[cell].kind == CellRecord::AIR);
+        let count = |cells: &mut dyn Iterator<Item = usize>| cells.count() as u64;
+        let with_detail = count(&mut air().filter(|&cell| tables.cells[cell].root != NONE));
+        let sloped = count(&mut air().filter(|&cell| !tables.steps[cell].is_level()));
+        let opened = Views::open(Storage::copy(bytes), true)?;
+        let (map_sections, map_bytes) = opened.map_sections();
+        let (ray_sections, all_bytes) = (Views::ray_sections(), bytes.len() as u64);
+        let row = |what, of_trait, all, taken| HeldRow { what, of_trait, all, taken };
+        let detail = Some("detail");
+        Ok(vec![
+            row("cells of air", None, count(&mut air()), taken.cells),
+            row("of these, with anything in them", detail, with_detail, taken.cells - taken.empty),
+            row("of these, with a sloped floor or ceiling", Some("sloped"), sloped, taken.sloped),
+            row("nodes of hierarchies", None, tables.nodes.len() as u64, taken.nodes),
+            row("blocks of triangles", None, tables.blocks.len() as u64, taken.blocks),
+            row("triangles", None, tables.triangles.len() as u64, taken.tests),
+            row("sections of the file", None, ray_sections + map_sections, ray_sections as f64),
+            row("bytes of the file", None, all_bytes, (all_bytes - map_bytes) as f64),
+        ])
+    }
+
     fn rows(&self, whole: &Scene) -> Vec<SkipRow> {
         let scene = self.scene;
         let from_cell = |start: &Started| scene.trace_from(Start::Cell(start.cell), &start.ray, Want::LEAST);
@@ -353,6 +405,7 @@ impl Bench<'_> {
             blocks: all.mean(all.blocks),
             tests: all.mean(all.tests),
             plain: all.mean(all.plain),
+            sloped: all.mean(all.sloped),
         }
     }
 }
@@ -364,7 +417,7 @@ const FLUSH: f64 = 1e-6;
 fn files(bytes: &[u8], options: &SkipOptions) -> Result<Vec<SkipRow>, FormatError> {
     let opened = Views::open(Storage::copy(bytes), true)?;
     opened.check_map()?;
-    let map = opened.map_bytes();
+    let (_, map) = opened.map_sections();
     let rays = bytes.len() as u64 - map;
     let row = |skipped, when, checked: [u64; 2], open: &dyn Fn(usize, Storage)| {
         // Copied before the clock runs: a file that is mapped is not copied.

@@ -1,20 +1,37 @@
 //! A report as text, and as Markdown.
 
 use super::super::table::{aligned, markdown};
-use super::{SkipReport, SkipRow, Steps, Work};
+use super::{HeldRow, SkipReport, SkipRow, Steps, Work};
 
 /// The names of the columns of rays.
 const RAYS: [&str; 8] = ["skipped", "when", "ns", "without", "times", STEPS, STEPS_WITHOUT, "differing"];
 
 /// What is told of steps, with the skip and without.
-const STEPS: &str = "cells/empty/nodes/blocks/triangles/planes";
+const STEPS: &str = "cells/empty/sloped/nodes/blocks/triangles/planes";
 const STEPS_WITHOUT: &str = "the same without";
+
+/// Of what there is.
+const HELD: [&str; 5] = ["in the scene", "trait", "all", "a ray takes", "left out %"];
 
 const FILES: [&str; 7] = ["skipped", "when", "ms", "without", "times", "bytes checked", "without"];
 
 fn steps(work: &Work) -> String {
-    let Some(Steps { cells, empty, nodes, blocks, tests, plain }) = work.steps else { return "-".to_owned() };
-    [cells, empty, nodes, blocks, tests, plain].map(|mean| format!("{mean:.2}")).join("/")
+    let Some(Steps { cells, empty, nodes, blocks, tests, plain, sloped }) = work.steps else {
+        return "-".to_owned();
+    };
+    [cells, empty, sloped, nodes, blocks, tests, plain].map(|mean| format!("{mean:.2}")).join("/")
+}
+
+fn held_cells(row: &HeldRow) -> Vec<String> {
+    // Of what is whole there are no hundredths.
+    let taken = if row.taken.fract() == 0.0 { row.taken.to_string() } else { format!("{:.2}", row.taken) };
+    vec![
+        row.what.to_owned(),
+        row.of_trait.unwrap_or("-").to_owned(),
+        row.all.to_string(),
+        taken,
+        if row.all == 0 { "-".to_owned() } else { format!("{:.2}", row.skipped()) },
+    ]
 }
 
 fn ray_cells(row: &SkipRow) -> Vec<String> {
@@ -55,24 +72,25 @@ impl SkipReport {
         )
     }
 
-    /// The lines of the two tables, the first of each its names.
-    fn tables(&self) -> [Vec<Vec<String>>; 2] {
+    /// The lines of the three tables, the first of each its names.
+    fn tables(&self) -> [Vec<Vec<String>>; 3] {
         let names = |names: &[&str]| vec![names.iter().map(|&name| name.to_owned()).collect::<Vec<String>>()];
-        let (mut rays, mut files) = (names(&RAYS), names(&FILES));
+        let (mut held, mut rays, mut files) = (names(&HELD), names(&RAYS), names(&FILES));
+        held.extend(self.held.iter().map(held_cells));
         rays.extend(self.rows.iter().map(ray_cells));
         files.extend(self.files.iter().map(file_cells));
-        [rays, files]
+        [held, rays, files]
     }
 
     /// As aligned text.
     pub fn text(&self) -> String {
-        let [rays, files] = self.tables().map(|table| aligned(&table, 2));
-        format!("{}\n\n{rays}\n{files}", self.head())
+        let [held, rays, files] = self.tables().map(|table| aligned(&table, 2));
+        format!("{}\n\n{held}\n{rays}\n{files}", self.head())
     }
 
     /// As tables in Markdown.
     pub fn markdown(&self) -> String {
-        let [rays, files] = self.tables().map(|table| markdown(&table, 2));
-        format!("{}\n\n{rays}\n{files}", self.head())
+        let [held, rays, files] = self.tables().map(|table| markdown(&table, 2));
+        format!("{}\n\n{held}\n{rays}\n{files}", self.head())
     }
 }

@@ -26,6 +26,12 @@ fn what_is_skipped_changes_no_answer_and_is_less() {
     assert!((without.nodes - with.nodes - with.empty).abs() < 0.02, "{empty:?}");
     let (with, without) = both(level);
     assert_eq!((with.cells, with.tests), (without.cells, without.tests));
+    // Every cell that it leaves is left as one between slopes then; in doubt those are already.
+    assert!(with.sloped < 0.1 && without.sloped > 0.9 * without.cells, "{level:?}");
+    let held = |what: &str| report.held.iter().find(|row| row.what == what).unwrap();
+    assert!(held("cells of air").skipped() > 95.0 && held("triangles").skipped() > 99.9, "{:?}", report.held);
+    let sections = held("sections of the file");
+    assert!(sections.taken > 10.0 && sections.skipped() > 10.0, "{sections:?}");
     let (with, without) = both(careful);
     assert!(without.tests > with.tests, "{careful:?}");
     let [map, checks] = &report.files[..] else { panic!("{:?}", report.files) };
@@ -36,8 +42,14 @@ fn what_is_skipped_changes_no_answer_and_is_less() {
 fn reports_are_told() {
     let report = report();
     let lines = |text: &str| text.lines().filter(|line| !line.is_empty()).count();
-    assert_eq!(lines(&report.text()), 1 + 1 + report.rows.len() + 1 + report.files.len());
-    assert_eq!(lines(&report.markdown()), 1 + 2 + report.rows.len() + 2 + report.files.len());
+    assert_eq!(
+        lines(&report.text()),
+        1 + 1 + report.held.len() + 1 + report.rows.len() + 1 + report.files.len()
+    );
+    assert_eq!(
+        lines(&report.markdown()),
+        1 + 2 + report.held.len() + 2 + report.rows.len() + 2 + report.files.len()
+    );
 }
 
 #[test]

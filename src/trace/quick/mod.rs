@@ -249,11 +249,17 @@ impl<'a> Way<'a> {
         is_clear.then_some(quick)
     }
 
+    /// Whether a cell's floor and ceiling are taken for sloped.
+    #[inline(always)]
+    fn is_sloped(&self, cell: u32) -> bool {
+        self.tables.steps.get(cell as usize).is_some_and(|step| !step.is_level())
+    }
+
     /// What the ray meets that leaves the cell in which it starts at `exit`, which comes to a plain face.
     #[inline(always)]
     fn at_plate<L: Entries>(&self, cell: u32, exit: Exit, count: &mut impl Count) -> Option<Quick> {
         debug_assert!(exit.is_plain());
-        count.cell();
+        count.cell(|| self.is_sloped(cell));
         count.plain();
         let mut source = exit.link & !Step::PLATE;
         let mut end = self.plate(source)?;
@@ -342,7 +348,7 @@ impl<'a> Way<'a> {
         let mut past = NONE;
         // Each once.
         for _ in 0..tables.cells.len() {
-            count.cell();
+            count.cell(|| self.is_sloped(cell));
             // What stands behind the face, if that ends the way.
             let (mut end, mut source) = (Found { t: f64::INFINITY, triangle: NONE }, NONE);
             let ends = here.link & Step::PLATE != 0 && here.link != Step::AROUND;
