@@ -704,3 +704,8 @@ fn a_ray_within_an_open_wall_went_through_its_other_side() {
 fn a_ray_from_a_wall_met_behind_it_the_corner_that_it_had_passed() {
     seeded(332, "house-cad", Family::AlongEdges, 5036);
 }
+
+#[test]
+fn a_ray_from_a_doorways_corner_went_up_through_its_lintel() {
+    seeded(1227, "turned-5", Family::Surfaces, 9760);
+}

@@ -397,13 +397,15 @@ impl<'s> Query<'s> {
     fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: Option<DVec3>, near: f64) -> bool {
         /// It does not leave an edge along which it runs, but for rounding.
         const ALONG: f64 = 1e-12;
+        /// An edge straight away from the surface goes behind it for rounding alone.
+        const STRAIGHT: f64 = 1e-9;
         (0..3).any(|i| {
             let (from, way) = (corners[i], corners[(i + 1) % 3] - corners[i]);
             let inward = normal.cross(way);
             let size = inward.length();
             let within = (self.origin - from).dot(inward);
             let is_beyond = within < -near * size;
-            let goes_behind = side.is_some_and(|side| inward.dot(side) < 0.0);
+            let goes_behind = side.is_some_and(|side| inward.dot(side) < -STRAIGHT * size);
             inward.dot(self.direction) < -ALONG * size && (is_beyond || goes_behind && within <= near * size)
         })
     }

@@ -283,7 +283,7 @@ fn reports_are_drawn_and_written() {
     let lengths: Vec<usize> = text.lines().skip(1).take(4).map(str::len).collect();
     assert!(lengths.iter().all(|length| *length == lengths[0]), "{text}");
     let markdown = report.markdown();
-    assert_eq!(markdown.matches("| three | ").count(), 2);
+    assert_eq!(markdown.matches("| three | ").count(), 3);
     let row = markdown.lines().find(|line| line.starts_with("| three")).unwrap();
     let head = markdown.lines().find(|line| line.starts_with("| way")).unwrap();
     assert_eq!(row.matches('|').count(), head.matches('|').count());
