@@ -76,14 +76,15 @@ fn closed_rooms_are_where_their_models_are() {
     }
 }
 
+/// Heights up to two steps of the lattice apart are one height, so that no cell is lower than three.
 #[test]
-fn flat_cells_are_no_higher_than_the_lattice_is_fine() {
+fn flat_cells_are_some_steps_of_the_lattice_high() {
     staged("flat-cells", Family::Anywhere, |_, scene| {
         let step = scene.tables.scene[0].lattice_step();
         let air = scene.tables.cells.iter().filter(|cell| cell.kind == CellRecord::AIR);
         let height = |cell: &CellRecord| cell.bounds[1][2] - cell.bounds[0][2];
         let lowest = air.map(height).fold(f64::INFINITY, f64::min);
-        assert!((0.5 * step..1.5 * step).contains(&lowest), "{lowest} with steps of {step}");
+        assert!((2.5 * step..4.5 * step).contains(&lowest), "{lowest} with steps of {step}");
     });
 }
 
