@@ -87,6 +87,9 @@ impl Scene {
         let onward = self.in_front(away, &line);
         let follow = |tmin: f64, probe: &mut P| {
             let mut ended = nearest(tables, &onward, surface.as_ref(), start.hint(), probe);
+            if let Some(away) = away {
+                ended = self.past_start(&onward, away, ended, probe);
+            }
             // What comes to nothing tells by nothing else that it began in matter, as cells say.
             let start = || onward.origin + onward.direction * onward.tmin;
             let begins_in_matter =
@@ -165,6 +168,37 @@ impl Scene {
             return Met::InSolid(element);
         }
         Met::before(ray.tmax, line, ended)
+    }
+
+    /// What a ray meets that goes away from a surface, but for what it has passed where it starts: a triangle of a solid is looked for behind its origin, where
+    /// rounding may have put that. Almost in the triangle's plane, that may be far enough that the triangle ends before the origin.
+    fn past_start<P: Probe>(&self, line: &Line, surface: &Surface, mut ended: Ended, probe: &mut P) -> Ended {
+        /// More triangles than this behind an origin are not told apart.
+        const MOST: usize = 64;
+        let (tables, walk) = (&self.tables, Walk::new(&self.tables));
+        for _ in 0..MOST {
+            if !self.has_passed(line, surface, ended.found) {
+                break;
+            }
+            let mut query = line.query(tables, Some(surface));
+            query.aim(tables.cells[0].root, line.tmax);
+            query.follow(ended.found.t, ended.found.triangle + 1);
+            ended = Ended { found: probe.nearest(&walk, &query), cell: 0, in_matter: false };
+        }
+        ended
+    }
+
+    /// Whether a ray met a solid's triangle behind where it starts, and there is no solid behind that triangle's plane where it does.
+    fn has_passed(&self, line: &Line, surface: &Surface, found: Found) -> bool {
+        if found.triangle == NONE || found.t >= line.tmin - surface.near || !self.is_of_solid(found.triangle)
+        {
+            return false;
+        }
+        let [a, b, c] = Walk::new(&self.tables).corners(found.triangle);
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
+        let start = line.origin + line.direction * line.tmin;
+        let behind = normal * aside(start).copysign(normal.dot(line.direction));
+        self.solid_at((start + behind).to_array()).is_none()
     }
 
     /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else

@@ -365,7 +365,7 @@ impl<'s> Query<'s> {
             return t >= surface.tmin;
         }
         let side = surface.normal * surface.normal.dot(self.direction).signum();
-        if self.leaves_edge(&[a, b, c], normal, (!is_in_plane).then_some(side), near) {
+        if !is_in_plane && self.leaves_edge(&[a, b, c], normal, side, near) {
             return false;
         }
         let volume = walk.volume_of(index);
@@ -391,22 +391,21 @@ impl<'s> Query<'s> {
         }
     }
 
-    /// Whether the ray starts beyond an edge of a triangle that it leaves: what it met behind its origin it has passed. Or beside such an edge, by `near`,
-    /// that the triangle goes from to behind the surface on which the ray starts: a face that goes on behind the end of a wall. `side` is that surface's
-    /// normal on the side to which the ray goes, if the triangle is in another plane.
-    fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: Option<DVec3>, near: f64) -> bool {
+    /// Whether the ray starts beside an edge of a triangle, by `near`, that it leaves, and that the triangle goes from to behind the surface on
+    /// which the ray starts: a face that goes on behind the end of a wall. `side` is the surface's normal on the side to which the ray goes.
+    fn leaves_edge(&self, corners: &[DVec3; 3], normal: DVec3, side: DVec3, near: f64) -> bool {
         /// It does not leave an edge along which it runs, but for rounding.
         const ALONG: f64 = 1e-12;
-        /// An edge straight away from the surface goes behind it for rounding alone.
-        const STRAIGHT: f64 = 1e-9;
+        /// From an edge that ends straight at the surface the triangle goes behind that by rounding alone, a micrometre for each metre of it.
+        const STRAIGHT: f64 = 1e-6;
         (0..3).any(|i| {
             let (from, way) = (corners[i], corners[(i + 1) % 3] - corners[i]);
             let inward = normal.cross(way);
             let size = inward.length();
-            let within = (self.origin - from).dot(inward);
-            let is_beyond = within < -near * size;
-            let goes_behind = side.is_some_and(|side| inward.dot(side) < -STRAIGHT * size);
-            inward.dot(self.direction) < -ALONG * size && (is_beyond || goes_behind && within <= near * size)
+            let off = (self.origin - from).dot(inward).abs();
+            off <= near * size
+                && inward.dot(self.direction) < -ALONG * size
+                && inward.dot(side) < -STRAIGHT * size
         })
     }
 }
