@@ -103,7 +103,7 @@ fn every_kernel_draws_a_small_scene() {
     use crate::oracle::fixtures::{Shape, model};
     let mut model = model(&[
         (Semantic::Room, Shape::cuboid([0.0; 3], [4.0, 3.0, 2.5])),
-        (Semantic::Wall, Shape::cuboid([4.0, -0.2, 0.0], [4.3, 3.2, 2.5])),
+        (Semantic::Wall, Shape::cuboid([-0.3, -0.2, 0.0], [0.0, 3.2, 2.5])),
         (Semantic::Ground, Shape::cuboid([0.0, 0.0, -0.3], [4.0, 3.0, 0.0])),
         (Semantic::Furniture, Shape::prism(5, 0.4, 0.5, 0.9)),
         (Semantic::Furniture, Shape::cuboid([2.0, 1.0, 0.5], [2.01, 2.0, 1.5])),
@@ -114,8 +114,8 @@ fn every_kernel_draws_a_small_scene() {
     let pane = &mut model.elements.last_mut().unwrap().mesh;
     pane.materials = vec![glass; pane.triangles.len()];
     let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
-    let camera = Camera::looking([0.7, 1.3, 1.2], [1.0, 0.1, -0.2], [0.0, 0.0, 1.0], 100.0).unwrap();
-    let [width, height] = [33u32, 9];
+    let camera = Camera::looking([2.5, 0.8, 1.4], [-1.0, -0.3, -0.25], [0.0, 0.0, 1.0], 60.0).unwrap();
+    let [width, height] = [25u32, 13];
     let drawn = |kernel: Kernel| {
         let size = (width * height) as usize;
         let [mut surfaces, mut light, mut through] = [0, 1, 2].map(|_| vec![0u32; size]);
@@ -130,10 +130,7 @@ fn every_kernel_draws_a_small_scene() {
     };
     let portable = drawn(Kernel::PORTABLE);
     // The wall, the ground, the stool and the pane, the last with what is behind it.
-    let mut elements = portable[3].clone();
-    elements.sort_unstable();
-    elements.dedup();
-    assert!(elements.len() >= 4, "{elements:?}");
+    assert!((1..=4).all(|element| portable[3].contains(&element)), "{:?}", portable[3]);
     assert!(portable[1] != portable[2]);
     for kernel in Kernel::available() {
         let [surfaces, light, through, met] = drawn(kernel);

@@ -168,7 +168,7 @@ impl<'a, 's, 'p, P: Probe> Crossing<'a, 's, 'p, P> {
                     }
                 }
                 CellRecord::AIR => {
-                    self.probe.cell(|| true);
+                    self.probe.cell(|| false);
                     let exit = self.path.leave(record).ok_or(UNSURE)?;
                     let best = self.at_face(record, &exit)?;
                     if let Some(found) = self.with_detail(record, &exit, best) {

@@ -18,7 +18,7 @@ pub struct Cost {
     pub empty: u32,
     /// Faces whose plane was met without a look at triangles: on the quick way only.
     pub plain: u32,
-    /// Of the prisms, those whose floor and ceiling were taken for sloped: all that are not left on the quick way.
+    /// Of the prisms, those that were left by the kernel for sloped floors and ceilings: on the quick way only.
     pub sloped: u32,
 }
 
@@ -121,7 +121,7 @@ pub(super) trait Count {
     /// A triangle was tested in f64.
     #[inline(always)]
     fn test(&mut self) {}
-    /// A prism was entered, its floor and its ceiling taken for sloped, or not: not asked where nothing is counted.
+    /// A prism was entered, to be left by the kernel for slopes, or not: not asked where nothing is counted.
     #[inline(always)]
     fn cell(&mut self, _is_sloped: impl FnOnce() -> bool) {}
     /// There is nothing in the prism, and nothing was opened.

@@ -25,7 +25,7 @@ fn frozen_scenes_are_what_the_generator_makes() {
         if !bless {
             assert_eq!(scene.hash, hash, "{}: if that is meant, run this with ENFILADE_BLESS=1", scene.name);
         }
-        // Of large ones it is only asked that eyes are in boxes of rooms: compiling these is not what is tested.
+        // Of the others it is only asked that eyes are in boxes of rooms: compiling these takes longer than all else.
         let is_small = ["house", "round-room"].contains(&scene.building.as_str());
         let compiled =
             (bless || is_small).then(|| compile(&model, &CompileOptions::default()).unwrap().scene());

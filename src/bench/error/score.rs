@@ -73,7 +73,8 @@ pub struct Errors {
     pub ulps: Spread,
     /// How far away the parallel ray is whose exact answer was given, of right answers; for one on the ray itself, how far the distance is off.
     pub backward: Spread,
-    /// The same in units in the last place (f64) of the exact distance, or, where exactly nothing is met, of the told one.
+    /// The same in units in the last place (f64) of the exact distance, or, where exactly nothing is met, of the told one; of no
+    /// answer without either.
     pub backward_ulps: Spread,
     /// The angle, radians, between the lines of normals and those of the exact triangles; `None` if the way tells none.
     pub normals: Option<Spread>,
@@ -230,8 +231,9 @@ impl Judge<'_> {
 impl Score {
     fn add_backward(&mut self, off: f64, exact: Option<&First>, answer: &Answer) {
         self.backward.add(off);
-        let told = if let Answer::Hit(hit) = answer { hit.t } else { 0.0 };
-        self.backward_ulps.add(off / ulp(exact.map_or(told, |first| first.t)));
+        let told = if let Answer::Hit(hit) = answer { Some(hit.t) } else { None };
+        let t = exact.map(|first| first.t).or(told);
+        t.into_iter().for_each(|t| self.backward_ulps.add(off / ulp(t)));
     }
 
     pub(super) fn errors(&self) -> Errors {

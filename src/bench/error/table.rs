@@ -32,7 +32,7 @@ const DISTANCES: &[Column] = &[
     ("max back m", |r| short(r.errors.backward.largest)),
     ("mean", |r| short(r.errors.backward.mean)),
     ("rms", |r| short(r.errors.backward.rms)),
-    ("max ulps", |r| short(r.errors.backward_ulps.largest)),
+    ("back ulps", |r| short(r.errors.backward_ulps.largest)),
     ("mean", |r| short(r.errors.backward_ulps.mean)),
     ("rms", |r| short(r.errors.backward_ulps.rms)),
 ];

@@ -70,7 +70,7 @@ pub struct Steps {
     pub tests: f64,
     /// Planes met without a look at triangles.
     pub plain: f64,
-    /// Of the prisms, those whose floor and ceiling were taken for sloped.
+    /// Of the prisms, those that were left by the kernel for slopes.
     pub sloped: f64,
 }
 
@@ -253,7 +253,7 @@ impl Bench<'_> {
         let air = || (0..tables.cells.len()).filter(|&cell| tables.cells[cell].kind == CellRecord::AIR);
         let count = |cells: &mut dyn Iterator<Item = usize>| cells.count() as u64;
         let with_detail = count(&mut air().filter(|&cell| tables.cells[cell].root != NONE));
-        let sloped = count(&mut air().filter(|&cell| !tables.steps[cell].is_level()));
+        let sloped = count(&mut air().filter(|&cell| tables.steps[cell].is_sloped()));
         let opened = Views::open(Storage::copy(bytes), true)?;
         let (map_sections, map_bytes) = opened.map_sections();
         let (ray_sections, all_bytes) = (Views::ray_sections(), bytes.len() as u64);

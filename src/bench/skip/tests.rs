@@ -26,8 +26,8 @@ fn what_is_skipped_changes_no_answer_and_is_less() {
     assert!((without.nodes - with.nodes - with.empty).abs() < 0.02, "{empty:?}");
     let (with, without) = both(level);
     assert_eq!((with.cells, with.tests), (without.cells, without.tests));
-    // Every cell that it leaves is left as one between slopes then; in doubt those are already.
-    assert!(with.sloped < 0.1 && without.sloped > 0.9 * without.cells, "{level:?}");
+    // Every cell that it leaves is left as one between slopes then, but where it is in doubt.
+    assert!(with.sloped == 0.0 && without.sloped > 0.9 * without.cells, "{level:?}");
     let held = |what: &str| report.held.iter().find(|row| row.what == what).unwrap();
     assert!(held("cells of air").skipped() > 95.0 && held("triangles").skipped() > 99.9, "{:?}", report.held);
     let sections = held("sections of the file");

@@ -249,10 +249,10 @@ impl<'a> Way<'a> {
         is_clear.then_some(quick)
     }
 
-    /// Whether a cell's floor and ceiling are taken for sloped.
+    /// Whether a cell is left by the kernel for slopes.
     #[inline(always)]
     fn is_sloped(&self, cell: u32) -> bool {
-        self.tables.steps.get(cell as usize).is_some_and(|step| !step.is_level())
+        self.tables.steps.get(cell as usize).is_some_and(Step::is_sloped)
     }
 
     /// What the ray meets that leaves the cell in which it starts at `exit`, which comes to a plain face.
