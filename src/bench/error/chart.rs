@@ -38,11 +38,32 @@ pub(super) fn front(rows: &[ErrorRow]) -> Vec<usize> {
     order
 }
 
-/// A place for a dot's number that no other has: ways that are much alike lie on each other.
+/// How far below its middle a line of text stands.
+const BASE: f64 = 0.13;
+
+/// The times along the axis, and whether there is room for their names: those of powers of ten come first.
+fn times(across: &Scale, [left, right]: [f64; 2]) -> Vec<(f64, Option<String>)> {
+    /// As wide as a digit is, and between names.
+    const DIGIT: f64 = 0.24;
+    let mut named: Vec<[f64; 2]> = Vec::new();
+    let steps = [1.0, 2.0, 5.0].into_iter().flat_map(|step| (-3..13).map(move |power| (step, power)));
+    let times = steps.map(|(step, power)| step * 10f64.powi(power));
+    let marks = times.map(|time| (across.place(time), time.to_string()));
+    let within = marks.filter(|(x, _)| (left - 0.01..right + 0.01).contains(x));
+    within
+        .map(|(x, name)| {
+            let half = 0.5 * DIGIT * (name.len() as f64 + 0.5);
+            let is_free = named.iter().all(|[from, to]| x + half <= *from || x - half >= *to);
+            (x, is_free.then(|| named.push([x - half, x + half])).map(|()| name))
+        })
+        .collect()
+}
+
+/// A place for a dot's number that neither a dot nor another number has: ways that are much alike lie on each other.
 fn free_place([x, y]: [f64; 2], taken: &mut Vec<[f64; 2]>) -> [f64; 2] {
     /// As wide and high as two digits are.
     const SIZE: [f64; 2] = [0.5, 0.4];
-    let around = [[0.0, 0.2], [0.0, -0.5], [0.45, -0.12], [-0.45, -0.12]];
+    let around = [[0.0, 0.29], [0.0, -0.55], [0.55, -BASE], [-0.55, -BASE]];
     // Farther out, one ring after the other.
     let rings = (0..=taken.len()).flat_map(|ring| {
         let out = 1.0 + ring as f64;
@@ -68,15 +89,9 @@ impl ErrorReport {
         let place = |row: &ErrorRow| [across.place(row.ns_per_ray), up.place(error_of(row))];
         let mut shapes =
             vec![text([left, top + 0.4], 0.5, Anchor::Start, format!("{title}: error against time"))];
-        for power in -3..13 {
-            for step in [1.0, 2.0, 5.0] {
-                let time = step * 10f64.powi(power);
-                let x = across.place(time);
-                if (left - 0.01..right + 0.01).contains(&x) {
-                    shapes.push(lines(vec![vec![[x, bottom], [x, top]]], GREY, 0.02));
-                    shapes.push(text([x, bottom - 0.5], 0.4, Anchor::Middle, time.to_string()));
-                }
-            }
+        for (x, name) in times(&across, [left, right]) {
+            shapes.push(lines(vec![vec![[x, bottom], [x, top]]], GREY, 0.02));
+            shapes.extend(name.map(|name| text([x, bottom - 0.5], 0.4, Anchor::Middle, name)));
         }
         for (y, name) in up.marks() {
             shapes.push(lines(vec![vec![[left, y], [right, y]]], GREY, 0.02));
@@ -94,7 +109,10 @@ impl ErrorReport {
         if path.len() > 1 {
             shapes.push(lines(vec![path], FRONT, 0.05));
         }
-        let mut labels = Vec::new();
+        let dots = self.rows.iter().map(place);
+        let mut labels: Vec<[f64; 2]> = dots.map(|[x, y]| [x, y - BASE]).collect();
+        // As far apart as there is room.
+        let step = ((top - bottom) / self.rows.len().max(1) as f64).min(0.62);
         for (number, row) in self.rows.iter().enumerate() {
             let (at, errors) = (place(row), &row.errors);
             let color = if errors.wrong == 0 { RIGHT } else { WRONG };
@@ -103,7 +121,7 @@ impl ErrorReport {
             shapes.push(dot(at, 0.14, color, name.clone()));
             let label = free_place(at, &mut labels);
             shapes.push(text(label, 0.4, Anchor::Middle, (number + 1).to_string()));
-            let line = top - 0.3 - 0.62 * number as f64;
+            let line = top - 0.3 - step * number as f64;
             shapes.push(dot([right + 0.4, line + 0.12], 0.12, color, String::new()));
             shapes.push(text([right + 0.7, line], 0.4, Anchor::Start, name + &wrong));
         }
