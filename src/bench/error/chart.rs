@@ -64,16 +64,15 @@ fn free_place([x, y]: [f64; 2], taken: &mut Vec<[f64; 2]>) -> [f64; 2] {
     /// As wide and high as two digits are.
     const SIZE: [f64; 2] = [0.5, 0.4];
     let around = [[0.0, 0.29], [0.0, -0.55], [0.55, -BASE], [-0.55, -BASE]];
-    // Farther out, one ring after the other.
-    let rings = (0..=taken.len()).flat_map(|ring| {
-        let out = 1.0 + ring as f64;
-        around.map(|[dx, dy]| [x + dx * out, y + dy * out])
-    });
+    // Then farther over and under it: farther aside it would be another's.
+    let farther = (1..=taken.len())
+        .flat_map(|ring| [around[0], around[1]].map(|[dx, dy]| [dx, dy * (1.0 + ring as f64)]));
+    let mut places = around.into_iter().chain(farther).map(|[dx, dy]| [x + dx, y + dy]);
     let is_free = |p: &[f64; 2]| {
         (FRAME[0][1]..FRAME[1][1]).contains(&p[1])
             && taken.iter().all(|q| (0..2).any(|i| (p[i] - q[i]).abs() >= SIZE[i]))
     };
-    let place = rings.into_iter().find(is_free).unwrap_or([x, y]);
+    let place = places.find(is_free).unwrap_or([x, y]);
     taken.push(place);
     place
 }
