@@ -35,23 +35,36 @@ impl<'a> Crossed<'a> {
         Crossed { scene, looks: Looks::through_glass(&scene.tables), corners }
     }
 
-    /// The picture of a camera.
+    /// The picture of a camera: of each triangle, the planes through its edges and the eye are worked out once.
     fn picture(&self, camera: &Camera, [width, height]: [u32; 2]) -> Vec<u32> {
-        super::told::pixels(camera, width, height).map(|(_, ray)| self.see(&ray)).collect()
+        let eye = DVec3::from(camera.eye());
+        let around = |&[a, b, c]: &[DVec3; 3]| {
+            let normal = (b - a).cross(c - a);
+            (normal, normal.dot(a - eye), [[a, b], [b, c], [c, a]].map(|[p, q]| (p - eye).cross(q - eye)))
+        };
+        let seen: Vec<_> = self.corners.iter().map(around).collect();
+        super::told::pixels(camera, width, height).map(|(_, ray)| self.see(&seen, &ray)).collect()
     }
 
-    /// The pixel of a ray.
-    fn see(&self, ray: &Ray) -> u32 {
-        let (origin, way) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
-        let crossing = |(triangle, [a, b, c]): (usize, &[DVec3; 3])| {
-            let normal = (b - a).cross(c - a);
-            let t = normal.dot(a - origin) / normal.dot(way);
-            let [u, v, w] = [[a, b], [b, c], [c, a]].map(|[p, q]| way.dot((p - origin).cross(q - origin)));
+    /// The pixel of a ray from the eye: of each triangle its normal, the eye's distance from its plane by the normal's length, and the planes
+    /// through its edges and the eye.
+    fn see(&self, seen: &[(DVec3, f64, [DVec3; 3])], ray: &Ray) -> u32 {
+        let way = DVec3::from(ray.direction).normalize();
+        let crossing = |(triangle, &(normal, height, edges)): (usize, &(DVec3, f64, [DVec3; 3]))| {
+            let [u, v] = [edges[0], edges[1]].map(|edge| way.dot(edge));
+            if u * v < 0.0 {
+                return None;
+            }
+            let w = way.dot(edges[2]);
             let is_within = u >= 0.0 && v >= 0.0 && w >= 0.0 || u <= 0.0 && v <= 0.0 && w <= 0.0;
-            let material = self.scene.tables.record(triangle as u32).material;
-            (t > 0.0 && is_within).then(|| (t, material, triangle as u32, normal.normalize().dot(way).abs()))
+            let t = height / normal.dot(way);
+            let is_met = t > 0.0 && is_within;
+            is_met.then(|| {
+                let material = self.scene.tables.record(triangle as u32).material;
+                (t, material, triangle as u32, normal.normalize().dot(way).abs())
+            })
         };
-        let mut crossed: Vec<_> = self.corners.iter().enumerate().filter_map(crossing).collect();
+        let mut crossed: Vec<_> = seen.iter().enumerate().filter_map(crossing).collect();
         crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut passed = Passed::ALL;
         for (_, material, triangle, cosine) in crossed {

@@ -54,7 +54,7 @@ pub enum FrozenError {
     #[error("benches/scenes.toml: {0}")]
     File(String),
     /// No scene of this name.
-    #[error("no frozen scene '{name}'; there are {known:?}")]
+    #[error("no frozen scene '{name}'; there are {}", known.join(", "))]
     Unknown {
         /// The name asked for.
         name: String,

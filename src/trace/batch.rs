@@ -742,7 +742,7 @@ mod scene_tests {
     fn check_fans(name: &str, scene: &Scene) {
         let mut random = SplitMix64::new(11);
         let mut met = 0;
-        for _ in 0..3000 {
+        for _ in 0..1500 {
             let Some((cell, fan)) = fan(scene, &mut random) else { continue };
             for kernel in Kernel::available() {
                 let mut briefs = vec![Brief::ESCAPED; fan.len()];
@@ -759,7 +759,7 @@ mod scene_tests {
                 assert_eq!(is_met, scene.occluded_from(Start::Cell(cell), ray), "{name}: {cell} {ray:?}");
             }
         }
-        assert!(met > 100_000, "{name}: {met}");
+        assert!(met > 50_000, "{name}: {met}");
     }
 
     #[test]

@@ -2,9 +2,7 @@ use enfilade_importers::Semantic;
 
 use super::*;
 use crate::building::FaceKind;
-use crate::generate::{
-    HouseOptions, OfficeOptions, TowerOptions, build1, build2, build3, house, random, tower,
-};
+use crate::generate::{HouseOptions, OfficeOptions, TowerOptions, build1, build2, house, random, tower};
 use crate::importers::Model;
 use crate::lattice::FINE;
 use crate::oracle::fixtures::{Shape, model};
@@ -33,7 +31,6 @@ fn generated_buildings_have_nothing_wrong() {
     clean("house", &house(&bare).to_model().unwrap());
     clean("build1", &build1(&plain(0)).to_model().unwrap());
     clean("build2", &build2(&plain(0)).to_model().unwrap());
-    clean("build3", &build3(&plain(0)).to_model().unwrap());
     clean("tower", &tower(&TowerOptions { storeys: 3, office: plain(0) }).to_model().unwrap());
     for seed in 0..6 {
         clean(&format!("random {seed}"), &random(&plain(seed)).to_model().unwrap());

@@ -308,11 +308,11 @@ fn verify_passes_on_the_house_and_finds_a_wall_that_moved() {
     for file in ["house.glb", "house.obj"] {
         let path = fixture_arg(file);
         folder.run(&["compile", &path, "-o", "house.enf"]).expect(0);
-        let verify = ["verify", "house.enf", "--model", &path, "--rays", "20000", "--json"];
+        let verify = ["verify", "house.enf", "--model", &path, "--rays", "8000", "--json"];
         let report = folder.run(&verify).expect(0).json();
         assert_eq!(report["passed"], true);
         assert_eq!(report["total"]["wrong"], 0, "{report}");
-        assert!(report["total"]["rays"].as_u64().unwrap() >= 20_000);
+        assert!(report["total"]["rays"].as_u64().unwrap() >= 8_000);
         assert_eq!(report["grid"]["different"], 0);
         let again = folder.run(&verify).expect(0).json();
         assert_eq!(report["kinds"], again["kinds"], "the same seed, the same rays");
@@ -326,7 +326,7 @@ fn verify_passes_on_the_house_and_finds_a_wall_that_moved() {
 
     folder.write("house.mtl", std::fs::read(fixture_arg("house.mtl")).unwrap());
     folder.write("moved.obj", house_with_moved_wall(0.01));
-    let moved = ["verify", "house.enf", "--model", "moved.obj", "--rays", "20000"];
+    let moved = ["verify", "house.enf", "--model", "moved.obj", "--rays", "8000"];
     let report = folder.run(&[&moved[..], &["--json"]].concat()).expect(1).json();
     assert_eq!(report["passed"], false);
     assert!(report["total"]["wrong"].as_u64().unwrap() > 10, "{}", report["total"]);
@@ -549,7 +549,7 @@ fn a_reader_that_leaves_is_no_failure() {
     drop(child.stdout.take());
     let mut rays = child.stdin.take().unwrap();
     // The child may end before it has read everything.
-    std::io::Write::write_all(&mut rays, "2 1.6 -3 1 0 0\n".repeat(20_000).as_bytes()).ok();
+    std::io::Write::write_all(&mut rays, "2 1.6 -3 1 0 0\n".repeat(8_000).as_bytes()).ok();
     drop(rays);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));

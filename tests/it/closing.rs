@@ -64,7 +64,7 @@ fn answers_are_those_of_the_model_as_it_stands() {
             let stands = mixed(&openings(&scene));
             scene.set_stands(&stands).unwrap();
             assert!(!scene.closures().is_empty());
-            check(&model, &scene, 10_000, name);
+            check(&model, &scene, 4_000, name);
         }
     }
 }

@@ -430,7 +430,7 @@ fn damage_with_right_checksums_is_refused_or_harmless() {
     let mut random = Random::new(2);
     let (mut refused, mut opened) = (0, 0);
     let mut slowest = Duration::ZERO;
-    for round in 0..1500 {
+    for round in 0..700 {
         let mut file = house().to_vec();
         for _ in 0..1 + random.below(3) {
             let section = &sections[random.below(sections.len())];
@@ -491,7 +491,7 @@ fn damaged_maps_are_refused_or_validated() {
     let sections: Vec<enf::Section> = enf::sections(house()).into_iter().rev().take(10).collect();
     let mut random = Random::new(3);
     let (mut refused, mut codes) = (0, BTreeSet::new());
-    for round in 0..1500 {
+    for round in 0..700 {
         let mut file = house().to_vec();
         for _ in 0..1 + random.below(2) {
             let section = &sections[random.below(sections.len())];

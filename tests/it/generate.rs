@@ -342,7 +342,7 @@ fn files_and_models_have_the_same_tags() {
         build3(&office(1, false)),
         tower(&two_storeys),
     ];
-    buildings.extend((0..8).map(|seed| random(&office(seed, true))));
+    buildings.extend((0..4).map(|seed| random(&office(seed, true))));
     let both = &["a.glb", "a.obj"][..];
     let mut all: Vec<_> = buildings.into_iter().map(|b| (b, Style::exact(), both)).collect();
     all.extend(specimens().into_iter().map(|specimen| (specimen.building, specimen.style, &["a.glb"][..])));

@@ -35,7 +35,7 @@ fn every_answer_is_right() {
         assert_eq!(out, compiled.report.triangles_in, "{}", path.display());
         let scene = compiled.scene();
         let roles = roles(&model, Untagged::default());
-        let options = VerifyOptions::default().with_rays(4_000).with_grid_rays(200);
+        let options = VerifyOptions::default().with_rays(2_000).with_grid_rays(200);
         let report = verify(&model, |e| roles[e.0 as usize], &scene, &options).unwrap();
         assert_eq!(report.total.wrong, 0, "{}: {:?}", path.display(), report.wrong);
         assert!(

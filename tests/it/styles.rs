@@ -123,7 +123,7 @@ fn triangles(mesh: &Mesh) -> Vec<[[u64; 3]; 3]> {
 
 fn verify_scene(model: &Model, scene: &Scene, what: &str) {
     let roles = roles(model, Untagged::default());
-    let options = VerifyOptions::default().with_rays(5000).with_grid_rays(200);
+    let options = VerifyOptions::default().with_rays(2000).with_grid_rays(200);
     let report = verify(model, |e| roles[e.0 as usize], scene, &options).unwrap();
     assert_eq!(report.total.wrong, 0, "{what}: {:?}", report.wrong);
     assert!(report.sight.different == 0 && report.sight.rays > 0, "{what}: {:?}", report.sight);

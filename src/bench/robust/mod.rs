@@ -94,7 +94,7 @@ pub struct RobustOptions {
     pub rays: u32,
     /// Rays by which answers are verified.
     pub verified: u64,
-    /// How often rays are timed; the median counts.
+    /// How often rays are timed, and short compilations up to three times; the median counts.
     pub repeat: u32,
     /// Where random numbers start: rays, and what is off by how much.
     pub seed: u64,
@@ -124,7 +124,7 @@ pub struct RobustRow {
     pub damage: Option<Damage>,
     /// How far things are off, metres.
     pub size: f64,
-    /// Seconds to compile it, on all threads of the current pool: the median of three where that is short.
+    /// Seconds to compile it, on all threads of the current pool: the median of up to three where that is short.
     pub compile_seconds: f64,
     /// Cells.
     pub cells: u64,
@@ -253,7 +253,7 @@ pub fn robust(building: &Building, options: &RobustOptions) -> Result<RobustRepo
     })
 }
 
-/// Compilations that take less are timed three times, seconds.
+/// Compilations that take less are timed as often as rays are, but three times at most; seconds.
 const SHORT: f64 = 1.0;
 
 /// A pair of places that touch, by the names of their rooms.
@@ -288,8 +288,12 @@ impl Step {
             Ok((start.elapsed().as_secs_f64(), scene))
         };
         let (first, scene) = timed()?;
-        row.compile_seconds =
-            if first < SHORT { median(&mut [first, timed()?.0, timed()?.0]) } else { first };
+        let mut times = vec![first];
+        let again = if first < SHORT { options.repeat.clamp(1, 3) - 1 } else { 0 };
+        for _ in 0..again {
+            times.push(timed()?.0);
+        }
+        row.compile_seconds = median(&mut times);
         row.cells = scene.cells().len() as u64;
         let graph = scene.graph();
         row.void_volume = graph.voids.iter().map(|void| void.volume).sum::<f64>().max(0.0);

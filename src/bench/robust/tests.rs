@@ -85,8 +85,8 @@ fn sizes_that_are_none_are_left_out() {
 #[test]
 fn noise_up_to_where_nothing_closes_is_answered_rightly() {
     let (damages, sizes) = (vec![Damage::Noise], vec![1.1e-3, 2.3e-3]);
-    let options = RobustOptions { damages, sizes, verified: 20_000, ..few() };
+    let options = RobustOptions { damages, sizes, verified: 8_000, ..few() };
     let report = robust(&house(&HouseOptions::default()), &options).unwrap();
-    assert!(report.rows.iter().all(|row| row.wrong == 0 && row.verified > 20_000), "{}", report.text());
+    assert!(report.rows.iter().all(|row| row.wrong == 0 && row.verified > 8_000), "{}", report.text());
     assert!(report.rows[0].joins_found > 0.9, "{}", report.text());
 }

@@ -153,7 +153,7 @@ proptest! {
 #[test]
 fn most_random_buildings_have_volumes_that_are_meshes() {
     let mut runner = TestRunner::new(cases(0));
-    let count = 100;
+    let count = 60;
     let mut none = 0;
     for _ in 0..count {
         let assembly = assemblies().new_tree(&mut runner).unwrap().current();
