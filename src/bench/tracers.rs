@@ -133,6 +133,11 @@ const NO_CELLS: &str = "enfilade-no-cells";
 const DIAGONALS: &str = "enfilade-diagonals";
 const TRUTH: &str = "truth-f64";
 
+/// Whether answers of the way of this name are to be right: those of this library, but to rays that were rounded to f32, and those of the truth.
+pub(super) fn is_exact(name: &str) -> bool {
+    name == TRUTH || name.starts_with("enfilade-") && name != F32_RAYS
+}
+
 /// The names of all ways that this machine has for a scene whose model is known: [`names`], rays that are rounded to f32, the scene compiled without
 /// cells, and with cells cut by diagonals, and the truth in f64.
 pub fn error_names() -> Vec<String> {

@@ -15,7 +15,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::speed::{Timed, machine, median};
-use super::tracers::{Tracer, error_names};
+use super::tracers::{Tracer, error_names, is_exact};
 use super::way::Way;
 use crate::compile::CompileError;
 use crate::oracle::{First, Truth, TruthOptions};
@@ -93,6 +93,13 @@ pub struct ErrorReport {
     pub tied: u64,
     /// The ways.
     pub rows: Vec<ErrorRow>,
+}
+
+impl ErrorReport {
+    /// Whether no answer is wrong that is to be right: of this library's ways, but for rays rounded to f32, and of the truth.
+    pub fn passed(&self) -> bool {
+        self.rows.iter().filter(|row| is_exact(&row.kernel)).all(|row| row.errors.wrong == 0)
+    }
 }
 
 /// Nothing was measured.
