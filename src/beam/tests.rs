@@ -12,7 +12,7 @@ use super::walk::{Around, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
 use crate::format::records::Facing;
 use crate::generate::{HouseOptions, RoundRoomOptions, Style, house, round_room};
-use crate::importers::{Material, MaterialId, Semantic};
+use crate::importers::{Frame, Material, MaterialId, ModelBuilder, NewElement, Semantic, UpAxis};
 use crate::packets::Packets;
 use crate::render::{Camera, room_views};
 use crate::samples::Sample;
@@ -487,6 +487,55 @@ fn hits_on_the_edges_of_leaning_walls_are_those_of_rays() {
         }
     }
     assert!(off > 0, "the house does not lean enough for this test");
+}
+
+/// Where two walls are flush, their edge is rounded to the lattice: beside it one of them is shown where the ray meets the other, as far away.
+#[test]
+fn hits_beside_the_edge_of_two_flush_walls_are_those_of_rays() {
+    let mut model = ModelBuilder::new("walls", Frame { up: UpAxis::Z, ..Frame::default() });
+    let material = model.material(Material::default());
+    let mut add = |id: &str, semantic: Semantic, lo: [f64; 3], hi: [f64; 3]| {
+        let element = model.element(NewElement { name: id.into(), ..NewElement::default() }).unwrap();
+        model.semantic(element, semantic);
+        let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { hi[axis] } else { lo[axis] });
+        for [a, b, c, d] in
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        {
+            model.triangle(element, [a, b, c].map(corner), material).unwrap();
+            model.triangle(element, [a, c, d].map(corner), material).unwrap();
+        }
+    };
+    let edges = [1.234_567_8, 2.345_678_9, 3.141_592_6, 4.669_201_6];
+    add("floor", Semantic::Ground, [-0.3, -0.3, -0.3], [6.3, 4.3, 0.0]);
+    add("roof", Semantic::Roof, [-0.3, -0.3, 3.0], [6.3, 4.3, 3.3]);
+    add("west", Semantic::Wall, [-0.3, 0.0, 0.0], [0.0, 4.0, 3.0]);
+    add("east", Semantic::Wall, [6.0, 0.0, 0.0], [6.3, 4.0, 3.0]);
+    add("south", Semantic::Wall, [-0.3, -0.3, 0.0], [6.3, 0.0, 3.0]);
+    add("room", Semantic::Room, [0.0, 0.0, 0.0], [6.0, 4.0, 3.0]);
+    let ends: Vec<f64> = std::iter::once(-0.3).chain(edges).chain([6.3]).collect();
+    for (i, ends) in ends.windows(2).enumerate() {
+        add(&format!("north {i}"), Semantic::Wall, [ends[0], 4.0, 0.0], [ends[1], 4.3, 3.0]);
+    }
+    let scene = compile(&model.finish().unwrap(), &CompileOptions::default()).unwrap().scene();
+    assert!(scene.cells().len() > 5);
+    let ([width, height], mut rounded) = ([31, 9], 0);
+    let (mut beams, mut packets) = (Beams::new(&scene), Packets::new(&scene));
+    for (edge, off) in edges.into_iter().flat_map(|edge| (-8..=8).map(move |off| (edge, off))) {
+        // The column in the middle looks at where the wall's edge is, and so many micrometres beside.
+        let eye = [edge + 1e-6 * f64::from(off) + 1e-7, 1.0, 1.5];
+        let camera = Camera::looking(eye, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 60.0).unwrap();
+        let rays: Vec<Ray> = super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
+        let mut by_rays = vec![Hit::ESCAPED; rays.len()];
+        scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::LEAST);
+        let elements = |hits: &[Hit]| hits.iter().map(|hit| hit.element).collect::<Vec<_>>();
+        let mut hits = by_rays.clone();
+        beams.hits(&camera, width, Want::LEAST, &mut hits);
+        assert_eq!(elements(&hits), elements(&by_rays), "{edge} {off}");
+        packets.hits(&camera, width, Want::LEAST, &mut hits);
+        assert_eq!(elements(&hits), elements(&by_rays), "{edge} {off}");
+        rounded += beams.differences(&camera, width, height).flush;
+    }
+    assert!(rounded > 0, "no edge is rounded by as much as a micrometre");
 }
 
 /// From around the building, and from the air around it between its parts.

@@ -104,10 +104,14 @@ impl Told {
                 hits.resize(rays.len(), Hit::ESCAPED);
                 scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
                 for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
-                    let shown = self.hit(scene, index, ray, Want::LEAST);
-                    if shown.is_some_and(|shown| !is_same(&shown, hit)) {
-                        wrong.push(index);
+                    let Some(shown) = self.hit(scene, index, ray, Want::LEAST) else { continue };
+                    let is_same = is_same(&shown, hit);
+                    if !is_same {
                         next.extend(around(index).filter(|&beside| !is_asked[beside]));
+                    }
+                    // Of two elements that are flush the other, at their edge. There is no going on from it: what lies on each other would be asked all over.
+                    if !is_same || shown.element != hit.element {
+                        wrong.push(index);
                     }
                 }
             }
