@@ -211,8 +211,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     }
 
     /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
-    /// [`Scene::trace_many_of`] would; those that beams do not tell are traced. On edges either of two answers may be told, and where triangles lie on
-    /// each other any of them.
+    /// [`Scene::trace_many_of`] would; those that beams do not tell are traced, and those on edges of walls, floors and ceilings held against their rays. Where triangles
+    /// lie on each other, or nearer to each other than f32 tells depths apart, any of them may be told.
     pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> BeamCounts {
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
         if height == 0 {
@@ -224,14 +224,31 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         counts
     }
 
+    /// The same of what [`Beams::paint`] shows, which is not held against rays.
+    #[cfg(feature = "compile")]
+    pub(crate) fn painted_hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) {
+        let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
+        if height > 0 {
+            let (told, _) = self.tell_roughly(camera, width, height);
+            let starts = self.scene.starts_at(camera.eye(), self.last);
+            told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
+        }
+    }
+
     /// What each pixel of a picture shows, and the cell in which its ray ends.
     pub(crate) fn tell(&mut self, camera: &Camera, width: u32, height: u32) -> (Told, BeamCounts) {
-        let count = width as usize * height as usize;
-        let mut told = Told { surfaces: vec![0; count], cells: vec![0; count] };
-        let mut counts = self.show(camera, width, &mut told.surfaces, Show::Surfaces);
-        self.show(camera, width, &mut told.cells, Show::Cells);
+        let (mut told, mut counts) = self.tell_roughly(camera, width, height);
         let starts = self.scene.starts_at(camera.eye(), self.last);
         counts.unsure += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
+        (told, counts)
+    }
+
+    /// The same, not held against rays.
+    fn tell_roughly(&mut self, camera: &Camera, width: u32, height: u32) -> (Told, BeamCounts) {
+        let count = width as usize * height as usize;
+        let mut told = Told { surfaces: vec![0; count], cells: vec![0; count] };
+        let counts = self.show(camera, width, &mut told.surfaces, Show::Surfaces);
+        self.show(camera, width, &mut told.cells, Show::Cells);
         (told, counts)
     }
 

@@ -477,6 +477,7 @@ fn hits_on_the_edges_of_leaning_walls_are_those_of_rays() {
             scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::default());
             let is_off = |(one, other): &(&Hit, &Hit)| {
                 one.t != other.t && (one.t - other.t).abs() > 1e-9 * (1.0 + other.t)
+                    || one.element != other.element
             };
             let mut hits = by_rays.clone();
             beams.hits(&camera, width, Want::default(), &mut hits);
@@ -505,7 +506,7 @@ fn hits_beside_the_edge_of_two_flush_walls_are_those_of_rays() {
             model.triangle(element, [a, c, d].map(corner), material).unwrap();
         }
     };
-    let edges = [1.234_567_8, 2.345_678_9, 3.141_592_6, 4.669_201_6];
+    let edges = [1.234_567_8, 2.345_678_9, 3.456_789_1, 4.669_201_6];
     add("floor", Semantic::Ground, [-0.3, -0.3, -0.3], [6.3, 4.3, 0.0]);
     add("roof", Semantic::Roof, [-0.3, -0.3, 3.0], [6.3, 4.3, 3.3]);
     add("west", Semantic::Wall, [-0.3, 0.0, 0.0], [0.0, 4.0, 3.0]);
@@ -518,24 +519,30 @@ fn hits_beside_the_edge_of_two_flush_walls_are_those_of_rays() {
     }
     let scene = compile(&model.finish().unwrap(), &CompileOptions::default()).unwrap().scene();
     assert!(scene.cells().len() > 5);
-    let ([width, height], mut rounded) = ([31, 9], 0);
     let (mut beams, mut packets) = (Beams::new(&scene), Packets::new(&scene));
-    for (edge, off) in edges.into_iter().flat_map(|edge| (-8..=8).map(move |off| (edge, off))) {
-        // The column in the middle looks at where the wall's edge is, and so many micrometres beside.
-        let eye = [edge + 1e-6 * f64::from(off) + 1e-7, 1.0, 1.5];
-        let camera = Camera::looking(eye, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 60.0).unwrap();
-        let rays: Vec<Ray> = super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
-        let mut by_rays = vec![Hit::ESCAPED; rays.len()];
-        scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::LEAST);
-        let elements = |hits: &[Hit]| hits.iter().map(|hit| hit.element).collect::<Vec<_>>();
-        let mut hits = by_rays.clone();
-        beams.hits(&camera, width, Want::LEAST, &mut hits);
-        assert_eq!(elements(&hits), elements(&by_rays), "{edge} {off}");
-        packets.hits(&camera, width, Want::LEAST, &mut hits);
-        assert_eq!(elements(&hits), elements(&by_rays), "{edge} {off}");
-        rounded += beams.differences(&camera, width, height).flush;
+    for (far, [width, height]) in [(3.0, [31, 9]), (3e-3, [999, 3])] {
+        for edge in edges {
+            let mut rounded = 0;
+            for off in -8..=8 {
+                // The column in the middle looks at where the wall's edge is, and so many micrometres beside.
+                let eye = [edge + 1e-6 * f64::from(off) + 1e-7, 4.0 - far, 1.5];
+                let camera = Camera::looking(eye, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 60.0).unwrap();
+                let rays: Vec<Ray> =
+                    super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
+                let mut by_rays = vec![Hit::ESCAPED; rays.len()];
+                scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::LEAST);
+                let elements = |hits: &[Hit]| hits.iter().map(|hit| hit.element).collect::<Vec<_>>();
+                let mut hits = by_rays.clone();
+                beams.painted_hits(&camera, width, Want::LEAST, &mut hits);
+                rounded += hits.iter().zip(&by_rays).filter(|(a, b)| a.element != b.element).count();
+                beams.hits(&camera, width, Want::LEAST, &mut hits);
+                assert_eq!(elements(&hits), elements(&by_rays), "{far} {edge} {off}");
+                packets.hits(&camera, width, Want::LEAST, &mut hits);
+                assert_eq!(elements(&hits), elements(&by_rays), "{far} {edge} {off}");
+            }
+            assert!(rounded > 0, "{edge}, {far} m away: it is not rounded");
+        }
     }
-    assert!(rounded > 0, "no edge is rounded by as much as a micrometre");
 }
 
 /// From around the building, and from the air around it between its parts.

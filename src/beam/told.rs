@@ -35,6 +35,15 @@ impl Told {
         }
     }
 
+    /// Whether the ray of a pixel, which comes to the plane of what the pixel shows at `t`, meets that itself.
+    fn is_met(&self, scene: &Scene, index: usize, ray: &Ray, t: f64) -> bool {
+        match Surface::of(self.surfaces[index]) {
+            Surface::Source(source) => scene.is_met(ray, t, (NONE, source)),
+            Surface::Triangle(triangle) => scene.is_met(ray, t, (triangle, NONE)),
+            Surface::Sky | Surface::Unsure => false,
+        }
+    }
+
     /// What the rays of some pixels of the picture meet, each with the pixel's place in it: as beams tell, or else by rays that start there.
     pub(crate) fn hits(
         &self,
@@ -63,8 +72,8 @@ impl Told {
 
 impl Told {
     /// Leaves to rays what the cells of a picture so many pixels wide tell wrongly, and counts it: cells are rounded, walls that lean by less than a millimetre to
-    /// upright ones, so that along their edges pixels may show what is in front of them, or behind. Where walls, floors and ceilings border on something else rays are asked, and for each pixel that shows what none
-    /// beside it does, and on from each that shows something else than its ray meets.
+    /// upright ones, so that along their edges pixels may show what is in front of them, or behind, or beside in the same plane. Where walls, floors and ceilings border on something else rays are asked, and for each pixel
+    /// that shows what none beside it does, and on from each that shows something else than its ray meets.
     pub(crate) fn settle(&mut self, scene: &Scene, pinhole: &Pinhole, width: u32, starts: Starts<'_>) -> u64 {
         let around = |index: usize| {
             let (width, count) = (width as usize, self.surfaces.len());
@@ -105,13 +114,13 @@ impl Told {
                 scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
                 for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
                     let Some(shown) = self.hit(scene, index, ray, Want::LEAST) else { continue };
-                    let is_same = is_same(&shown, hit);
-                    if !is_same {
-                        next.extend(around(index).filter(|&beside| !is_asked[beside]));
-                    }
-                    // Of two elements that are flush the other, at their edge. There is no going on from it: what lies on each other would be asked all over.
-                    if !is_same || shown.element != hit.element {
+                    // Of what lies on each other either is right; of two things side by side, flush, the one that is there.
+                    let is_one = shown.element == hit.element && shown.material == hit.material;
+                    let is_right =
+                        is_same(&shown, hit) && (is_one || self.is_met(scene, index, ray, shown.t));
+                    if !is_right {
                         wrong.push(index);
+                        next.extend(around(index).filter(|&beside| !is_asked[beside]));
                     }
                 }
             }

@@ -46,12 +46,15 @@ enum Kind {
 struct Painter {
     maker: Maker,
     pixels: Vec<u32>,
+    hits: Vec<Hit>,
 }
 
 /// What makes pictures.
 enum Maker {
     Beams(Box<Beams<Arc<Scene>>>),
     Packets(Box<Packets<Arc<Scene>>>),
+    /// Beams, and what each pixel shows as its ray would tell it, held against rays on edges.
+    Hits(Box<Beams<Arc<Scene>>>),
     /// Beams or rays, as [`PictureWay::of`] has it.
     Chosen(Box<Beams<Arc<Scene>>>),
 }
@@ -115,7 +118,7 @@ pub fn names() -> Vec<String> {
     let kernels = |prefix: &'static str| {
         Kernel::available().into_iter().map(move |kernel| format!("{prefix}{}", kernel.name()))
     };
-    let others = [CHOSEN, "enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
+    let others = [CHOSEN, HITS, "enfilade-batch", "obvhs-bvh2", "obvhs-cwbvh"].map(str::to_owned);
     kernels("enfilade-").chain(kernels(BEAMS)).chain(kernels(PACKETS)).chain(others).collect()
 }
 
@@ -124,6 +127,8 @@ const OF_MODELS: [&str; 4] = [F32_RAYS, NO_CELLS, DIAGONALS, TRUTH];
 
 /// Pictures in the way that takes the least time, by what scene, eye and size are.
 const CHOSEN: &str = "enfilade-auto";
+/// Pictures by beams that tell of each pixel what its ray would.
+const HITS: &str = "enfilade-hits";
 /// What names of ways that make pictures by beams begin with.
 const BEAMS: &str = "enfilade-beams-";
 /// The same by packets.
@@ -152,7 +157,7 @@ pub(super) fn narrow(ray: &Ray) -> Ray {
 
 impl Kind {
     fn pictures(scene: &Arc<Scene>, maker: Maker) -> Kind {
-        Kind::Pictures(Arc::clone(scene), Mutex::new(Painter { maker, pixels: Vec::new() }))
+        Kind::Pictures(Arc::clone(scene), Mutex::new(Painter { maker, pixels: Vec::new(), hits: Vec::new() }))
     }
 }
 
@@ -192,6 +197,8 @@ impl Tracer {
             Kind::Batch(Arc::clone(scene))
         } else if name == CHOSEN {
             Kind::pictures(scene, Maker::Chosen(Box::new(Beams::new(Arc::clone(scene)))))
+        } else if name == HITS {
+            Kind::pictures(scene, Maker::Hits(Box::new(Beams::new(Arc::clone(scene)))))
         } else if let Some(kernel) = name.strip_prefix(BEAMS) {
             let kernel = Kernel::by_name(kernel)?;
             let beams = Beams::new(Arc::clone(scene)).with_kernel(kernel);
@@ -314,12 +321,16 @@ impl Way for Tracer {
     fn picture(&self, camera: &Camera, size: (u32, u32)) -> Option<Answered> {
         let Kind::Pictures(scene, painter) = &self.kind else { return None };
         let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
-        let Painter { maker, pixels } = &mut *painter;
+        let Painter { maker, pixels, hits } = &mut *painter;
         let (width, count) = (size.0, u64::from(size.0) * u64::from(size.1));
         pixels.resize(count as usize, 0);
         let by_beams = |rays: u64| Answered { beams: count - rays, packets: 0, rays };
         match maker {
             Maker::Beams(beams) => Some(by_beams(beams.paint(camera, width, pixels).unsure)),
+            Maker::Hits(beams) => {
+                hits.resize(count as usize, Hit::ESCAPED);
+                Some(by_beams(beams.hits(camera, width, Want::LEAST, hits).unsure))
+            }
             Maker::Packets(packets) => {
                 let rays = packets.paint(camera, width, pixels).rays;
                 Some(Answered { beams: 0, packets: count - rays, rays })
@@ -336,11 +347,12 @@ impl Way for Tracer {
             let mut painter = painter.lock().unwrap_or_else(PoisonError::into_inner);
             match &mut painter.maker {
                 Maker::Beams(beams) | Maker::Chosen(beams) => {
+                    beams.painted_hits(camera, width, Want::LEAST, hits);
+                }
+                Maker::Hits(beams) => {
                     beams.hits(camera, width, Want::LEAST, hits);
                 }
-                Maker::Packets(packets) => {
-                    packets.hits(camera, width, Want::LEAST, hits);
-                }
+                Maker::Packets(packets) => packets.painted_hits(camera, width, Want::LEAST, hits),
             }
         }
     }

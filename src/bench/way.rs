@@ -50,7 +50,7 @@ pub trait Way: Sync {
         None
     }
 
-    /// What the rays of such a picture, `width` pixels wide, meet by what it shows. Not a part of what is timed.
+    /// What the rays of such a picture, `width` pixels wide, meet by what it shows, colours or hits. Not a part of what is timed.
     fn shown(&self, camera: &Camera, width: u32, hits: &mut [Hit]) {
         let _ = (camera, width, hits);
     }

@@ -41,7 +41,7 @@ Examples:
   enfilade bench sources house.glb
 
 Times are medians of interleaved repeats; compare them within one run only. Ways named enfilade-beams-... and enfilade-packets-... make whole pictures; enfilade-auto
-takes beams or rays, as the scene, the eye and the size of the picture have it. The share of pixels that beams, packets and rays really answered is in the JSON. Ways named obvhs-... are that library
+takes beams or rays, as the scene, the eye and the size of the picture have it. These paint colours; enfilade-hits tells of each pixel what its ray would, and asks rays on edges. The share of pixels that beams, packets and rays really answered is in the JSON. Ways named obvhs-... are that library
 by itself on the same triangles."
 )]
 pub struct Arguments {

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Rays by which answers are verified.
     #[arg(long, value_name = "N")]
     verified: Option<u64>,
-    /// How often rays are timed; the median counts.
+    /// How often rays are timed, and short compilations, those at most three times; the median counts.
     #[arg(long, value_name = "R", default_value_t = 5)]
     repeat: u32,
     /// Where random numbers start.

@@ -140,6 +140,22 @@ impl<S: Deref<Target = Scene>> Packets<S> {
     /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
     /// [`Beams::hits`](crate::beam::Beams::hits) does.
     pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> PacketCounts {
+        self.hits_as(camera, width, (want, true), hits)
+    }
+
+    /// The same of what [`Packets::paint`] shows, which is not held against rays.
+    #[cfg(feature = "compile")]
+    pub(crate) fn painted_hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) {
+        self.hits_as(camera, width, (want, false), hits);
+    }
+
+    fn hits_as(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        (want, is_settled): (Want, bool),
+        hits: &mut [Hit],
+    ) -> PacketCounts {
         let mut surfaces = vec![UNWRITTEN; hits.len()];
         let mut counts = self.surfaces(camera, width, &mut surfaces);
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
@@ -149,7 +165,9 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         // In which cells rays end is looked for where they do.
         let mut told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
         let starts = self.scene.starts_at(camera.eye(), NONE);
-        counts.rays += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
+        if is_settled {
+            counts.rays += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
+        }
         told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
         counts
     }

@@ -55,6 +55,20 @@ impl Scene {
         Some(self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source }, want))
     }
 
+    /// Whether a ray that comes to the plane of a source, or else of a triangle, at `t` meets the source or the triangle.
+    #[cfg(feature = "render")]
+    pub(crate) fn is_met(&self, ray: &Ray, t: f64, (triangle, source): (u32, u32)) -> bool {
+        let Some(direction) = unit(DVec3::from(ray.direction)) else { return false };
+        let (tmin, tmax) = (ray.tmin, ray.tmax);
+        let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
+        if source != NONE {
+            return self.very_triangle(&line, source, t).is_some();
+        }
+        let mut found = Found { t: f64::INFINITY, triangle: NONE };
+        line.query(&self.tables, None).test(&Walk::new(&self.tables), triangle, &mut found);
+        found.triangle != NONE
+    }
+
     /// What the quick way found, as a record.
     pub(super) fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
         let &Quick { found, cell, source } = quick;

@@ -381,6 +381,14 @@ fn bench_measures_what_was_asked_for() {
     let (svg, png) = (folder.read("e.svg"), folder.read("e.png"));
     assert!(svg.starts_with(b"<svg") && png.starts_with(b"\x89PNG"));
     folder.run(&["bench", "error", "house.enf"]).expect_failure(2, &["--model"]);
+    // Of a model with a wall elsewhere it is wrong.
+    folder.write("house.mtl", std::fs::read(fixture_arg("house.mtl")).unwrap());
+    folder.write("moved.obj", house_with_moved_wall(0.01));
+    folder.run(&["compile", &fixture_arg("house.obj"), "-o", "obj.enf"]).expect(0);
+    let moved = ["bench", "error", "obj.enf", "--model", "moved.obj", "--size", "16x16", "--repeat", "1"];
+    let moved = [&moved[..], &["--kernels", "enfilade-portable"]].concat();
+    assert!(folder.run(&moved).expect(1).text().contains("enfilade-portable"));
+    assert_eq!(folder.run(&[&moved[..], &["--json"]].concat()).expect(1).json()["frames"], 16);
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn named<'t>(
 
 #[test]
 fn openings_join_what_they_join_in_truth() {
-    for (building, styles) in cases(0) {
+    for (building, styles) in cases(3) {
         let truth = building.truth();
         for (name, style) in styles {
             if style.openings_missing > 0.0 || style.rooms_missing > 0.0 {
@@ -126,7 +126,7 @@ fn side<'a>(scene: &'a Scene, rooms: &BTreeMap<u32, &'a str>, exterior: &'a str,
 #[test]
 fn openings_are_found_where_none_are_tagged() {
     let is_filling = |class: &str| matches!(class, "IfcDoor" | "IfcWindow");
-    for (building, styles) in cases(1) {
+    for (building, styles) in cases(4) {
         let truth = building.truth();
         for (name, mut style) in styles {
             if style.rooms_missing > 0.0 {
@@ -216,7 +216,7 @@ fn found_again(truth: &Scene, scene: &Scene) -> f64 {
 
 #[test]
 fn rooms_are_found_where_none_are_tagged() {
-    for (building, styles) in cases(2) {
+    for (building, styles) in cases(5) {
         for (number, (name, mut style)) in styles.into_iter().enumerate() {
             if style.rooms_missing > 0.0 || style.openings_missing > 0.0 || style.storey_spaces {
                 continue;
