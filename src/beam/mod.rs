@@ -214,25 +214,34 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     /// [`Scene::trace_many_of`] would; those that beams do not tell are traced, and those on edges of walls, floors and ceilings held against their rays. Where triangles
     /// lie on each other, or nearer to each other than f32 tells depths apart, any of them may be told.
     pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> BeamCounts {
-        let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
-        if height == 0 {
-            return BeamCounts::default();
-        }
-        let (told, counts) = self.tell(camera, width, height);
-        let starts = self.scene.starts_at(camera.eye(), self.last);
-        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
-        counts
+        self.hits_as(camera, width, (want, true), hits)
     }
 
     /// The same of what [`Beams::paint`] shows, which is not held against rays.
     #[cfg(feature = "compile")]
     pub(crate) fn painted_hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) {
+        self.hits_as(camera, width, (want, false), hits);
+    }
+
+    fn hits_as(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        (want, is_settled): (Want, bool),
+        hits: &mut [Hit],
+    ) -> BeamCounts {
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
-        if height > 0 {
-            let (told, _) = self.tell_roughly(camera, width, height);
-            let starts = self.scene.starts_at(camera.eye(), self.last);
-            told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
+        if height == 0 {
+            return BeamCounts::default();
         }
+        let (told, counts) = if is_settled {
+            self.tell(camera, width, height)
+        } else {
+            self.tell_roughly(camera, width, height)
+        };
+        let starts = self.scene.starts_at(camera.eye(), self.last);
+        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
+        counts
     }
 
     /// What each pixel of a picture shows, and the cell in which its ray ends.

@@ -557,7 +557,7 @@ fn a_reader_that_leaves_is_no_failure() {
     drop(child.stdout.take());
     let mut rays = child.stdin.take().unwrap();
     // The child may end before it has read everything.
-    std::io::Write::write_all(&mut rays, "2 1.6 -3 1 0 0\n".repeat(8_000).as_bytes()).ok();
+    std::io::Write::write_all(&mut rays, "2 1.6 -3 1 0 0\n".repeat(20_000).as_bytes()).ok();
     drop(rays);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
