@@ -8,7 +8,7 @@ use super::screen;
 use super::{Beams, Surface};
 use crate::render::Camera;
 use crate::scene::Scene;
-use crate::trace::{Answer, Hit, NONE, Prisms, Ray, Want};
+use crate::trace::{Answer, Hit, NONE, Prisms, Ray, Target, Want};
 
 /// A pixel whose ray is moved by so many pixels and then meets what the beam says is a tie.
 const TIE: f64 = 1e-2;
@@ -109,10 +109,10 @@ fn is_flush(scene: &Scene, surface: Surface, ray: &Ray, hit: &Hit) -> bool {
     }
     let shown = match surface {
         Surface::Sky | Surface::Unsure => None,
-        Surface::Source(source) => scene.hit_on_source(ray, hit.cell, source, Want::LEAST),
-        Surface::Triangle(triangle) => scene.hit_on_plane(ray, hit.cell, (triangle, NONE), Want::LEAST),
+        Surface::Source(source) => Target::source(scene, hit.cell, source, Want::LEAST),
+        Surface::Triangle(triangle) => Target::triangle(scene, hit.cell, triangle, Want::LEAST),
     };
-    shown.is_some_and(|shown| (shown.t - hit.t).abs() <= scene.tolerance())
+    shown.and_then(|target| target.hit(ray)).is_some_and(|shown| (shown.t - hit.t).abs() <= scene.tolerance())
 }
 
 /// Whether what a ray meets is part of a surface.

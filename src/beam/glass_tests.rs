@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::glass::Passed;
 use super::rays::Rays;
 use super::shade::Looks;
-use super::tests::{SIZE, outside_views, views};
+use super::tests::{SIZE, outside_views, rays, views};
 use super::{Beams, SKY_COLOR};
 use crate::generate::{HouseOptions, Style, house};
 use crate::importers::{Material, MaterialId, Mesh, Model, Semantic};
@@ -43,7 +43,7 @@ impl<'a> Crossed<'a> {
             (normal, normal.dot(a - eye), [[a, b], [b, c], [c, a]].map(|[p, q]| (p - eye).cross(q - eye)))
         };
         let seen: Vec<_> = self.corners.iter().map(around).collect();
-        super::told::pixels(camera, width, height).map(|(_, ray)| self.see(&seen, &ray)).collect()
+        rays(camera, width, height).iter().map(|ray| self.see(&seen, ray)).collect()
     }
 
     /// The pixel of a ray from the eye: of each triangle its normal, the eye's distance from its plane by the normal's length, and the planes

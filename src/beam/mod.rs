@@ -213,6 +213,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
     /// Writes over `hits`, of which there are `width` by some height, what the ray of each pixel meets, as
     /// [`Scene::trace_many_of`] would; those that beams do not tell are traced, and those on edges of walls, floors and ceilings held against their rays. Where triangles
     /// lie on each other, or nearer to each other than f32 tells depths apart, any of them may be told.
+    ///
+    /// With the feature `rayon` the pixels are shared among the threads of the current pool.
     pub fn hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) -> BeamCounts {
         self.hits_as(camera, width, (want, true), hits)
     }
@@ -240,7 +242,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
             self.tell_roughly(camera, width, height)
         };
         let starts = self.scene.starts_at(camera.eye(), self.last);
-        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
+        let hits = &mut hits[..told.surfaces.len()];
+        told.all_hits(&self.scene, (&camera.pinhole(width, height), width), (want, starts), hits);
         counts
     }
 

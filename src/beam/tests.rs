@@ -42,6 +42,12 @@ pub(crate) fn views(scene: &Scene, most: usize) -> Vec<Camera> {
     views
 }
 
+/// The rays of all pixels of a picture.
+pub(super) fn rays(camera: &Camera, width: u32, height: u32) -> Vec<Ray> {
+    let places = 0..(width * height) as usize;
+    super::told::pixels(&camera.pinhole(width, height), width, places).map(|(_, ray)| ray).collect()
+}
+
 /// From eyes on edges, in planes and on corners of cells.
 pub(crate) fn touching_views(scene: &Scene) -> Vec<Camera> {
     let prisms = Prisms::new(&scene.tables);
@@ -434,10 +440,7 @@ fn hits_are_those_of_rays() {
     for (name, scene) in scenes().into_iter().take(6) {
         let mut beams = Beams::new(scene);
         for camera in views(scene, 4) {
-            let pinhole = camera.pinhole(width, height);
-            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let rays: Vec<Ray> = pixels.map(|(x, y)| pinhole.ray(x, y)).collect();
-            let want = Want::default();
+            let (rays, want) = (rays(&camera, width, height), Want::default());
             let (mut by_beams, mut by_rays) =
                 (vec![Hit::ESCAPED; rays.len()], vec![Hit::ESCAPED; rays.len()]);
             beams.hits(&camera, width, want, &mut by_beams);
@@ -472,7 +475,7 @@ fn hits_on_the_edges_of_leaning_walls_are_those_of_rays() {
         let scene = compile(&model, &CompileOptions::default()).unwrap().scene();
         let (mut beams, mut packets) = (Beams::new(&scene), crate::packets::Packets::new(&scene));
         for camera in views(&scene, 12) {
-            let rays: Vec<Ray> = super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
+            let rays = rays(&camera, width, height);
             let mut by_rays = vec![Hit::ESCAPED; rays.len()];
             scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::default());
             let is_off = |(one, other): &(&Hit, &Hit)| {
@@ -527,8 +530,7 @@ fn hits_beside_the_edge_of_two_flush_walls_are_those_of_rays() {
                 // The column in the middle looks at where the wall's edge is, and so many micrometres beside.
                 let eye = [edge + 1e-6 * f64::from(off) + 1e-7, 4.0 - far, 1.5];
                 let camera = Camera::looking(eye, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 60.0).unwrap();
-                let rays: Vec<Ray> =
-                    super::told::pixels(&camera, width, height).map(|(_, ray)| ray).collect();
+                let rays = rays(&camera, width, height);
                 let mut by_rays = vec![Hit::ESCAPED; rays.len()];
                 scene.trace_many_of(Starts::Anywhere, &rays, &mut by_rays, Want::LEAST);
                 let elements = |hits: &[Hit]| hits.iter().map(|hit| hit.element).collect::<Vec<_>>();
@@ -577,7 +579,7 @@ fn where_the_air_around_is_cut_up_all_triangles_show_what_rays_meet() {
             for camera in views.iter().take(2) {
                 let (mut hits, mut expected) = (vec![Hit::ESCAPED; 1200], vec![Hit::ESCAPED; 1200]);
                 beams.hits(camera, 40, Want::default(), &mut hits);
-                let rays: Vec<Ray> = super::told::pixels(camera, 40, 30).map(|(_, ray)| ray).collect();
+                let rays = rays(camera, 40, 30);
                 scene.trace_many(&rays, &mut expected, Want::default());
                 let is_same = |(a, b): &(&Hit, &Hit)| {
                     a.element == b.element && (a.t == b.t || (a.t - b.t).abs() < 1e-9)

@@ -3,15 +3,15 @@
 use enfilade_importers::Role;
 
 use super::{Surface, shade};
-use crate::render::{Camera, Pinhole};
+use crate::render::Pinhole;
 use crate::scene::Scene;
-use crate::trace::{Hit, NONE, Ray, Starts, Want};
+use crate::trace::{Hit, NONE, Ray, Starts, Target, Want};
 
 /// What is met at distances that differ by no more than this, for each metre and one, is met in one place.
 const SAME: f64 = 1e-9;
 
-/// Rays that are asked together: more would take memory, and no less time.
-const TOGETHER: usize = 1 << 16;
+/// Pixels that are told together: more would take memory, and no less time.
+const TOGETHER: usize = 1 << 14;
 
 /// What the beams tell of each pixel of a picture: what it shows, and the cell in which its ray ends.
 pub(crate) struct Told {
@@ -19,29 +19,67 @@ pub(crate) struct Told {
     pub(crate) cells: Vec<u32>,
 }
 
-impl Told {
-    /// What the ray of a pixel, which is `ray`, meets; `None` where beams do not tell.
-    pub(crate) fn hit(&self, scene: &Scene, index: usize, ray: &Ray, want: Want) -> Option<Hit> {
-        // Where all triangles are drawn, not cell by cell, the cells may be in doubt where the triangles are not.
-        let cell = self.cells[index];
-        if cell as usize >= scene.tables.cells.len() {
-            return None;
-        }
-        match Surface::of(self.surfaces[index]) {
-            Surface::Sky => Some(Hit::ESCAPED),
-            Surface::Unsure => None,
-            Surface::Source(source) => scene.hit_on_source(ray, cell, source, want),
-            Surface::Triangle(triangle) => scene.hit_on_plane(ray, cell, (triangle, NONE), want),
+/// What pixels show in one cell.
+enum Shown<'s> {
+    Sky,
+    Unsure,
+    Surface(Target<'s>),
+}
+
+impl Shown<'_> {
+    /// What the ray of such a pixel meets; `None` where beams do not tell.
+    #[inline]
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        match self {
+            Shown::Sky => Some(Hit::ESCAPED),
+            Shown::Unsure => None,
+            Shown::Surface(target) => target.hit(ray),
         }
     }
 
-    /// Whether the ray of a pixel, which comes to the plane of what the pixel shows at `t`, meets that itself.
-    fn is_met(&self, scene: &Scene, index: usize, ray: &Ray, t: f64) -> bool {
-        match Surface::of(self.surfaces[index]) {
-            Surface::Source(source) => scene.is_met(ray, t, (NONE, source)),
-            Surface::Triangle(triangle) => scene.is_met(ray, t, (triangle, NONE)),
-            Surface::Sky | Surface::Unsure => false,
+    /// Whether such a ray, which comes to the plane of what the pixel shows at `t`, meets that itself.
+    fn is_met(&self, ray: &Ray, t: f64) -> bool {
+        matches!(self, Shown::Surface(target) if target.is_met(ray, t))
+    }
+}
+
+impl Told {
+    /// What pixels show whose surface and cell are these.
+    fn shown<'s>(scene: &'s Scene, (surface, cell): (u32, u32), want: Want) -> Shown<'s> {
+        // Where all triangles are drawn, not cell by cell, the cells may be in doubt where the triangles are not.
+        if cell as usize >= scene.tables.cells.len() {
+            return Shown::Unsure;
         }
+        let target = match Surface::of(surface) {
+            Surface::Sky => return Shown::Sky,
+            Surface::Unsure => None,
+            Surface::Source(source) => Target::source(scene, cell, source, want),
+            Surface::Triangle(triangle) => Target::triangle(scene, cell, triangle, want),
+        };
+        target.map_or(Shown::Unsure, Shown::Surface)
+    }
+
+    /// What the rays of all pixels of a picture meet: as [`Told::hits`] has it.
+    ///
+    /// With the feature `rayon` the pixels are shared among the threads of the current pool.
+    pub(crate) fn all_hits(
+        &self,
+        scene: &Scene,
+        (pinhole, width): (&Pinhole, u32),
+        want: (Want, Starts<'_>),
+        hits: &mut [Hit],
+    ) {
+        let part = |(number, hits): (usize, &mut [Hit])| {
+            let first = number * TOGETHER;
+            self.hits(scene, pixels(pinhole, width, first..first + hits.len()), want, hits);
+        };
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            hits.par_chunks_mut(TOGETHER).enumerate().for_each(part);
+        }
+        #[cfg(not(feature = "rayon"))]
+        hits.chunks_mut(TOGETHER).enumerate().for_each(part);
     }
 
     /// What the rays of some pixels of the picture meet, each with the pixel's place in it: as beams tell, or else by rays that start there.
@@ -53,8 +91,14 @@ impl Told {
         hits: &mut [Hit],
     ) {
         let (mut rays, mut missing) = (Vec::new(), Vec::new());
+        // Mostly that of the pixel before.
+        let (mut last, mut shown) = ((shade::UNSURE, NONE), Shown::Unsure);
         for (at, ((index, ray), hit)) in pixels.zip(&mut *hits).enumerate() {
-            match self.hit(scene, index, &ray, want) {
+            let own = (self.surfaces[index], self.cells[index]);
+            if own != last {
+                (last, shown) = (own, Told::shown(scene, own, want));
+            }
+            match shown.hit(&ray) {
                 Some(told) => *hit = told,
                 None => {
                     rays.push(ray);
@@ -71,17 +115,16 @@ impl Told {
 }
 
 impl Told {
-    /// Leaves to rays what the cells of a picture so many pixels wide tell wrongly, and counts it: cells are rounded, walls that lean by less than a millimetre to
-    /// upright ones, so that along their edges pixels may show what is in front of them, or behind, or beside in the same plane. Where walls, floors and ceilings border on something else rays are asked, and for each pixel
-    /// that shows what none beside it does, and on from each that shows something else than its ray meets.
-    pub(crate) fn settle(&mut self, scene: &Scene, pinhole: &Pinhole, width: u32, starts: Starts<'_>) -> u64 {
-        let around = |index: usize| {
-            let (width, count) = (width as usize, self.surfaces.len());
-            let left = (!index.is_multiple_of(width)).then(|| index - 1);
-            let right = (!(index + 1).is_multiple_of(width)).then(|| index + 1);
-            let below = Some(index + width).filter(|&below| below < count);
-            [left, right, index.checked_sub(width), below].into_iter().flatten()
-        };
+    /// The pixels beside one of a picture so many pixels wide.
+    fn around(&self, width: usize, index: usize) -> impl Iterator<Item = usize> + Clone + use<> {
+        let left = (!index.is_multiple_of(width)).then(|| index - 1);
+        let right = (!(index + 1).is_multiple_of(width)).then(|| index + 1);
+        let below = Some(index + width).filter(|&below| below < self.surfaces.len());
+        [left, right, index.checked_sub(width), below].into_iter().flatten()
+    }
+
+    /// The pixels of a picture so many pixels wide that show what no pixel beside does, or border on what does where either is of a wall, floor or ceiling.
+    fn borders(&self, scene: &Scene, width: usize) -> Vec<usize> {
         let is_face = |surface: u32| match Surface::of(surface) {
             Surface::Source(_) => true,
             Surface::Triangle(triangle) => {
@@ -89,17 +132,37 @@ impl Told {
             }
             Surface::Sky | Surface::Unsure => false,
         };
-        let is_border = |&index: &usize| {
+        let is_border = |index: usize| {
             let own = self.surfaces[index];
+            let mut others = self.around(width, index).map(|beside| self.surfaces[beside]);
             // By itself it may be through a corner, of what no pixel beside shows.
-            let is_alone = own != shade::UNSURE && around(index).all(|beside| self.surfaces[beside] != own);
-            is_alone
-                || around(index).any(|beside| {
-                    let other = self.surfaces[beside];
-                    other != own && (is_face(own) || is_face(other))
-                })
+            let is_alone = own != shade::UNSURE && others.clone().all(|other| other != own);
+            is_alone || others.any(|other| other != own && (is_face(own) || is_face(other)))
         };
-        let mut asked: Vec<usize> = (0..self.surfaces.len()).filter(is_border).collect();
+        let count = self.surfaces.len();
+        let row = |from: usize| &self.surfaces[from..from + width];
+        let mut borders = Vec::new();
+        for first in (0..count).step_by(width) {
+            let own = row(first);
+            let above = row(first.saturating_sub(width));
+            let below = row(if first + width < count { first + width } else { first });
+            for (x, &surface) in own.iter().enumerate() {
+                let [left, right] = [own[x.saturating_sub(1)], own[(x + 1).min(width - 1)]];
+                let is_uniform = [left, right, above[x], below[x]].iter().all(|&other| other == surface);
+                // Most pixels are as all those beside them; one has none beside it.
+                if (!is_uniform || count == 1) && is_border(first + x) {
+                    borders.push(first + x);
+                }
+            }
+        }
+        borders
+    }
+
+    /// Leaves to rays what the cells of a picture so many pixels wide tell wrongly, and counts it: cells are rounded, walls that lean by less than a millimetre to
+    /// upright ones, so that along their edges pixels may show what is in front of them, or behind, or beside in the same plane. Where walls, floors and ceilings border on something else rays are asked, and for each pixel
+    /// that shows what none beside it does, and on from each that shows something else than its ray meets.
+    pub(crate) fn settle(&mut self, scene: &Scene, pinhole: &Pinhole, width: u32, starts: Starts<'_>) -> u64 {
+        let mut asked = self.borders(scene, width as usize);
         let mut is_asked = vec![false; self.surfaces.len()];
         let (mut rays, mut hits, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         while !asked.is_empty() {
@@ -107,20 +170,19 @@ impl Told {
             let mut next = Vec::new();
             for asked in asked.chunks(TOGETHER) {
                 rays.clear();
-                rays.extend(asked.iter().map(|&index| {
-                    pinhole.ray((index % width as usize) as u32, (index / width as usize) as u32)
-                }));
+                rays.extend(pixels(pinhole, width, asked.iter().copied()).map(|(_, ray)| ray));
                 hits.resize(rays.len(), Hit::ESCAPED);
                 scene.trace_many_of(starts, &rays, &mut hits, Want::LEAST);
                 for ((&index, ray), hit) in asked.iter().zip(&rays).zip(&hits) {
-                    let Some(shown) = self.hit(scene, index, ray, Want::LEAST) else { continue };
+                    let own = (self.surfaces[index], self.cells[index]);
+                    let shown = Told::shown(scene, own, Want::LEAST);
+                    let Some(told) = shown.hit(ray) else { continue };
                     // Of what lies on each other either is right; of two things side by side, flush, the one that is there.
-                    let is_one = shown.element == hit.element && shown.material == hit.material;
-                    let is_right =
-                        is_same(&shown, hit) && (is_one || self.is_met(scene, index, ray, shown.t));
+                    let is_one = told.element == hit.element && told.material == hit.material;
+                    let is_right = is_same(&told, hit) && (is_one || shown.is_met(ray, told.t));
                     if !is_right {
                         wrong.push(index);
-                        next.extend(around(index).filter(|&beside| !is_asked[beside]));
+                        next.extend(self.around(width as usize, index).filter(|&beside| !is_asked[beside]));
                     }
                 }
             }
@@ -139,11 +201,15 @@ fn is_same(one: &Hit, other: &Hit) -> bool {
     one.t == other.t || other.t.is_finite() && (one.t - other.t).abs() <= SAME * (1.0 + other.t)
 }
 
-/// All pixels of the picture that `camera` takes, so many pixels wide and high, each with its ray.
-pub(crate) fn pixels(camera: &Camera, width: u32, height: u32) -> impl Iterator<Item = (usize, Ray)> {
-    let pinhole = camera.pinhole(width, height);
-    let places = (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
-    places.map(move |(x, y)| pinhole.ray(x, y)).enumerate()
+/// Pixels of a picture so many pixels wide by their places in it, each with its ray.
+pub(crate) fn pixels(
+    pinhole: &Pinhole,
+    width: u32,
+    places: impl IntoIterator<Item = usize>,
+) -> impl Iterator<Item = (usize, Ray)> {
+    let width = width as usize;
+    let ray = move |index: usize| pinhole.ray((index % width) as u32, (index / width) as u32);
+    places.into_iter().map(move |index| (index, ray(index)))
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
 use crate::beam::walk::AROUND;
-use crate::beam::{Differences, SKY_COLOR, Told, UNWRITTEN, simd, stand, told};
+use crate::beam::{Differences, SKY_COLOR, Told, UNWRITTEN, simd, stand};
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, Kernel, NONE, Prisms, Want};
@@ -156,19 +156,21 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         (want, is_settled): (Want, bool),
         hits: &mut [Hit],
     ) -> PacketCounts {
-        let mut surfaces = vec![UNWRITTEN; hits.len()];
-        let mut counts = self.surfaces(camera, width, &mut surfaces);
         let height = hits.len().checked_div(width as usize).unwrap_or(0) as u32;
         if height == 0 {
-            return counts;
+            return PacketCounts::default();
         }
+        let hits = &mut hits[..width as usize * height as usize];
+        let mut surfaces = vec![UNWRITTEN; hits.len()];
+        let mut counts = self.surfaces(camera, width, &mut surfaces);
         // In which cells rays end is looked for where they do.
         let mut told = Told { cells: vec![AROUND; surfaces.len()], surfaces };
         let starts = self.scene.starts_at(camera.eye(), NONE);
+        let pinhole = camera.pinhole(width, height);
         if is_settled {
-            counts.rays += told.settle(&self.scene, &camera.pinhole(width, height), width, starts);
+            counts.rays += told.settle(&self.scene, &pinhole, width, starts);
         }
-        told.hits(&self.scene, told::pixels(camera, width, height), (want, starts), hits);
+        told.all_hits(&self.scene, (&pinhole, width), (want, starts), hits);
         counts
     }
 

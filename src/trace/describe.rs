@@ -8,13 +8,20 @@ use super::kernel::Ask;
 use super::line::{Line, unit};
 use super::path::{BLURRED, NEAR, Prisms};
 use super::plate::Plate;
-#[cfg(feature = "render")]
-use super::plate::plate_of;
 use super::quick::Quick;
 use super::ray::{Brief, Hit, NONE, Ray};
 use super::single::Want;
 use super::walk::{Found, Walk, each};
 use crate::scene::Scene;
+
+/// A cell of air, and what is met there.
+#[derive(Clone, Copy)]
+pub(super) struct Spot {
+    cell: u32,
+    /// Or none.
+    room: u32,
+    semantic: u32,
+}
 
 impl Scene {
     /// The hit of a brief answer to `ray`, its triangle that of the answer; that of a ray that starts in a solid lacks the element.
@@ -24,49 +31,6 @@ impl Scene {
             return Hit { t, ..Hit::ESCAPED };
         }
         self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source: NONE }, want)
-    }
-
-    /// What a ray meets that leaves a cell of air first through a face with this source, which is plain; `None` if that cannot be told by its plane.
-    #[cfg(feature = "render")]
-    pub(crate) fn hit_on_source(&self, ray: &Ray, cell: u32, source: u32, want: Want) -> Option<Hit> {
-        let triangle = self.tables.plates.get(source as usize)?.triangle;
-        if triangle == NONE { None } else { self.hit_on_plane(ray, cell, (triangle, source), want) }
-    }
-
-    /// What a ray meets that comes first, in a cell, to the plane of a triangle, which is of a source or of none; `None` if it runs along it.
-    #[cfg(feature = "render")]
-    pub(crate) fn hit_on_plane(
-        &self,
-        ray: &Ray,
-        cell: u32,
-        (triangle, source): (u32, u32),
-        want: Want,
-    ) -> Option<Hit> {
-        /// A ray that comes to a plane with less than this sine is not told by it.
-        const FLAT: f64 = 1e-6;
-        let direction = unit(DVec3::from(ray.direction))?;
-        let plate = plate_of(&self.tables.triangles, &self.tables.vertices, triangle);
-        let normal = DVec3::from(plate.normal);
-        let sine = normal.dot(direction);
-        let t = (plate.offset - normal.dot(DVec3::from(ray.origin))) / sine;
-        if sine.abs() < FLAT || !(t.is_finite() && t >= ray.tmin && t <= ray.tmax) {
-            return None;
-        }
-        Some(self.describe_quick(ray, &Quick { found: Found { t, triangle }, cell, source }, want))
-    }
-
-    /// Whether a ray that comes to the plane of a source, or else of a triangle, at `t` meets the source or the triangle.
-    #[cfg(feature = "render")]
-    pub(crate) fn is_met(&self, ray: &Ray, t: f64, (triangle, source): (u32, u32)) -> bool {
-        let Some(direction) = unit(DVec3::from(ray.direction)) else { return false };
-        let (tmin, tmax) = (ray.tmin, ray.tmax);
-        let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
-        if source != NONE {
-            return self.very_triangle(&line, source, t).is_some();
-        }
-        let mut found = Found { t: f64::INFINITY, triangle: NONE };
-        line.query(&self.tables, None).test(&Walk::new(&self.tables), triangle, &mut found);
-        found.triangle != NONE
     }
 
     /// What the quick way found, as a record.
@@ -80,9 +44,9 @@ impl Scene {
         let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
         if let Some(plate) = self.tables.plates.get(source as usize)
             && plate.triangle == found.triangle
-            && let Some(room) = self.tables.room_of(cell)
+            && let Some(spot) = self.spot_of(cell, found.triangle, plate.element, want)
         {
-            return self.describe_plate(&line, plate, (found.t, source), (cell, room), want);
+            return self.describe_plate(&line, plate, (found.t, source), spot, want);
         }
         let mut hit = self.describe(&line, Ended { found, cell, in_matter: false }, want);
         if want.triangle
@@ -94,14 +58,22 @@ impl Scene {
         hit
     }
 
+    /// What is told of a cell, if it is one of air, where a triangle of an element is met in it.
+    #[inline(always)]
+    pub(super) fn spot_of(&self, cell: u32, triangle: u32, element: u32, want: Want) -> Option<Spot> {
+        let room = self.tables.room_of(cell)?;
+        let kind = if want.face { Prisms::new(&self.tables).kind(cell, triangle) } else { None };
+        Some(Spot { cell, room, semantic: kind.unwrap_or_else(|| self.semantic_of(element)) })
+    }
+
     /// The same of a plain face, from its plate: as [`Scene::describe`] has it of the plate's triangle.
     #[inline(always)]
-    fn describe_plate(
+    pub(super) fn describe_plate(
         &self,
         line: &Line,
         plate: &Plate,
         (t, source): (f64, u32),
-        (cell, room): (u32, u32),
+        Spot { cell, room, semantic }: Spot,
         want: Want,
     ) -> Hit {
         let normal = DVec3::from(plate.normal);
@@ -112,14 +84,13 @@ impl Scene {
             let very = plate.told(point).or_else(|| self.very_triangle(line, source, t));
             triangle = very.unwrap_or(triangle);
         }
-        let kind = if want.face { Prisms::new(&self.tables).kind(cell, plate.triangle) } else { None };
         Hit {
             // Not -0.
             t: t + 0.0,
             point: point.to_array(),
             normal: normal.to_array(),
             element: plate.element,
-            semantic: kind.unwrap_or_else(|| self.semantic_of(plate.element)),
+            semantic,
             material: plate.material,
             cell,
             room,
@@ -129,7 +100,7 @@ impl Scene {
 
     /// The triangle of a source that the ray meets, where it meets its plane at `t`.
     #[inline(never)]
-    fn very_triangle(&self, line: &Line, source: u32, t: f64) -> Option<u32> {
+    pub(super) fn very_triangle(&self, line: &Line, source: u32, t: f64) -> Option<u32> {
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         let root = tables.sources.get(source as usize)?.root;
         let mut best = Found { t: f64::INFINITY, triangle: NONE };

@@ -31,6 +31,8 @@ mod quick;
 mod ray;
 mod single;
 mod step;
+#[cfg(feature = "render")]
+mod target;
 mod through;
 mod walk;
 
@@ -56,3 +58,5 @@ pub(crate) use plate::plate_of;
 pub use ray::{Answer, Brief, Hit, NONE, Ray};
 pub use single::{Start, Want};
 pub(crate) use step::{Part, Shape, Split, Splits, Step, Tiles, step_of};
+#[cfg(feature = "render")]
+pub(crate) use target::Target;

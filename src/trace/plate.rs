@@ -51,6 +51,12 @@ impl Plate {
         }
     }
 
+    /// That of a triangle of an element, by itself.
+    #[cfg(feature = "render")]
+    pub(super) fn alone(self, element: u32, material: u32) -> Plate {
+        Plate { element, material, other: self.triangle, ..self }
+    }
+
     /// With another triangle beside its own, if these have a side in common, and lie on different sides of it.
     fn with_two(self, tables: &Views, other: u32) -> Plate {
         let corners = |triangle: u32| {
