@@ -440,7 +440,7 @@ fn hits_are_those_of_rays() {
     for (name, scene) in scenes().into_iter().take(6) {
         let mut beams = Beams::new(scene);
         for camera in views(scene, 4) {
-            let (rays, want) = (rays(&camera, width, height), Want::default());
+            let (rays, want) = (rays(&camera, width, height), Want::default().with_face());
             let (mut by_beams, mut by_rays) =
                 (vec![Hit::ESCAPED; rays.len()], vec![Hit::ESCAPED; rays.len()]);
             beams.hits(&camera, width, want, &mut by_beams);
@@ -459,6 +459,28 @@ fn hits_are_those_of_rays() {
             // On edges either of two answers is right.
             assert!(differing.len() <= 2, "{name}: {} differ, {:?}", differing.len(), differing[0]);
             assert!(others <= 20, "{name}: of {others} more than distance or normal differs");
+        }
+    }
+}
+
+#[test]
+fn hits_of_the_smallest_pictures_are_those_of_rays() {
+    let scene = Sample::House.scene();
+    let (mut beams, mut packets) = (Beams::new(scene), Packets::new(scene));
+    let camera = views(scene, 1)[1];
+    let rest = Hit { t: -1.0, ..Hit::ESCAPED };
+    for (width, height, more) in [(1, 1, 0), (1, 9, 0), (9, 1, 0), (7, 5, 3), (9, 0, 4), (0, 0, 4)] {
+        let mut expected = vec![Hit::ESCAPED; (width * height) as usize];
+        scene.trace_many(&rays(&camera, width, height), &mut expected, Want::default());
+        let mut pictures = [vec![rest; expected.len() + more], vec![rest; expected.len() + more]];
+        beams.hits(&camera, width, Want::default(), &mut pictures[0]);
+        packets.hits(&camera, width, Want::default(), &mut pictures[1]);
+        for hits in pictures {
+            for (hit, ray) in hits.iter().zip(&expected) {
+                assert!((hit.t - ray.t).abs() < 1e-9 && hit.element == ray.element, "{hit:?} {ray:?}");
+            }
+            // What is no whole row is left as it was.
+            assert!(hits[expected.len()..].iter().all(|hit| hit.t == -1.0), "{width} x {height}");
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::cells::Ended;
 use super::doubt::Met;
 use super::kernel::Ask;
-use super::line::{Line, unit};
+use super::line::Line;
 use super::path::{BLURRED, NEAR, Prisms};
 use super::plate::Plate;
 use super::quick::Quick;
@@ -36,12 +36,10 @@ impl Scene {
     /// What the quick way found, as a record.
     pub(super) fn describe_quick(&self, ray: &Ray, quick: &Quick, want: Want) -> Hit {
         let &Quick { found, cell, source } = quick;
-        let Some(direction) = unit(DVec3::from(ray.direction)) else { return Hit::ESCAPED };
+        let Some(line) = Line::whole(ray) else { return Hit::ESCAPED };
         if found.triangle == NONE {
             return Hit::ESCAPED;
         }
-        let (tmin, tmax) = (ray.tmin, ray.tmax);
-        let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
         if let Some(plate) = self.tables.plates.get(source as usize)
             && plate.triangle == found.triangle
             && let Some(spot) = self.spot_of(cell, found.triangle, plate.element, want)

@@ -46,6 +46,13 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// The whole of a ray, wherever it is; `None` for one without a direction.
+    #[inline]
+    pub(super) fn whole(ray: &Ray) -> Option<Line> {
+        let (direction, origin) = (unit(DVec3::from(ray.direction))?, DVec3::from(ray.origin));
+        Some(Line { origin, direction, tmin: ray.tmin, tmax: ray.tmax, start: ray.tmin })
+    }
+
     /// `None` for a ray that is none, or that does not meet the hull.
     #[inline]
     pub(super) fn new(tables: &Views, ray: &Ray) -> Option<Line> {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::describe::Spot;
-use super::line::{Line, unit};
+use super::line::Line;
 use super::plate::{Plate, plate_of};
 use super::quick::Quick;
 use super::ray::{Hit, NONE, Ray};
@@ -52,15 +52,13 @@ impl<'s> Target<'s> {
     /// What one of the rays meets; `None` if it runs along the plane.
     #[inline]
     pub(crate) fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let (direction, origin) = (unit(DVec3::from(ray.direction))?, DVec3::from(ray.origin));
+        let line = Line::whole(ray)?;
         let normal = DVec3::from(self.plate.normal);
-        let sine = normal.dot(direction);
-        let t = (self.plate.offset - normal.dot(origin)) / sine;
-        let (tmin, tmax) = (ray.tmin, ray.tmax);
-        if sine.abs() < FLAT || !(t.is_finite() && t >= tmin && t <= tmax) {
+        let sine = normal.dot(line.direction);
+        let t = (self.plate.offset - normal.dot(line.origin)) / sine;
+        if sine.abs() < FLAT || !(t.is_finite() && t >= line.tmin && t <= line.tmax) {
             return None;
         }
-        let line = Line { origin, direction, tmin, tmax, start: tmin };
         Some(match self.spot {
             Some(spot) => self.scene.describe_plate(&line, &self.plate, (t, self.source), spot, self.want),
             None => {
@@ -73,9 +71,7 @@ impl<'s> Target<'s> {
 
     /// Whether a ray that comes to the plane at `t` meets the surface itself.
     pub(crate) fn is_met(&self, ray: &Ray, t: f64) -> bool {
-        let Some(direction) = unit(DVec3::from(ray.direction)) else { return false };
-        let (tmin, tmax) = (ray.tmin, ray.tmax);
-        let line = Line { origin: DVec3::from(ray.origin), direction, tmin, tmax, start: tmin };
+        let Some(line) = Line::whole(ray) else { return false };
         if self.source != NONE {
             return self.scene.very_triangle(&line, self.source, t).is_some();
         }
