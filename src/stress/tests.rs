@@ -710,3 +710,9 @@ fn a_ray_from_a_wall_met_behind_it_the_corner_that_it_had_passed() {
 fn a_ray_from_a_doorways_corner_went_up_through_its_lintel() {
     seeded(1227, "turned-5", Family::Surfaces, 9760);
 }
+
+/// What it met is thin, and ends at the corner from which the ray goes on.
+#[test]
+fn a_ray_that_goes_on_met_what_ends_behind_it() {
+    seeded(423, "house-damaged", Family::AlongEdges, 4784);
+}

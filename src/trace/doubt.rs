@@ -170,14 +170,14 @@ impl Scene {
         Met::before(ray.tmax, line, ended)
     }
 
-    /// What a ray meets that goes away from a surface, but for what it has passed where it starts: a triangle of a solid is looked for behind its origin, where
+    /// What a ray meets that goes away from a surface, but for what it has passed where it starts: a triangle is looked for behind its origin, where
     /// rounding may have put that. Almost in the triangle's plane, that may be far enough that the triangle ends before the origin.
     fn past_start<P: Probe>(&self, line: &Line, surface: &Surface, mut ended: Ended, probe: &mut P) -> Ended {
         /// More triangles than this behind an origin are not told apart.
         const MOST: usize = 64;
         let (tables, walk) = (&self.tables, Walk::new(&self.tables));
         for _ in 0..MOST {
-            if !self.has_passed(line, surface, ended.found) {
+            if !self.has_passed(line, surface, ended.found, probe) {
                 break;
             }
             let mut query = line.query(tables, Some(surface));
@@ -188,17 +188,44 @@ impl Scene {
         ended
     }
 
-    /// Whether a ray met a solid's triangle behind where it starts, and there is no solid behind that triangle's plane where it does.
-    fn has_passed(&self, line: &Line, surface: &Surface, found: Found) -> bool {
-        if found.triangle == NONE || found.t >= line.tmin - surface.near || !self.is_of_solid(found.triangle)
-        {
+    /// Whether a ray met a triangle behind where it starts, and has passed that there: a solid's, if there is no solid behind its plane where the ray starts, another's, if
+    /// nothing of its element is there.
+    fn has_passed<P: Probe>(&self, line: &Line, surface: &Surface, found: Found, probe: &mut P) -> bool {
+        if found.triangle == NONE || found.t >= line.tmin - surface.near {
             return false;
         }
         let [a, b, c] = Walk::new(&self.tables).corners(found.triangle);
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
         let start = line.origin + line.direction * line.tmin;
+        if !self.is_of_solid(found.triangle) {
+            return !self.is_there(found.triangle, normal, start, probe);
+        }
         let behind = normal * aside(start).copysign(normal.dot(line.direction));
         self.solid_at((start + behind).to_array()).is_none()
+    }
+
+    /// Whether a triangle's element has a face at a place in the triangle's plane: that triangle, or one beside it.
+    #[cold]
+    fn is_there<P: Probe>(&self, triangle: u32, normal: DVec3, place: DVec3, probe: &mut P) -> bool {
+        /// More surfaces than this at a place are not told apart.
+        const MOST: usize = 64;
+        let (tables, walk) = (&self.tables, Walk::new(&self.tables));
+        let far = aside(place);
+        let origin = place - normal * far;
+        let across = Line { origin, direction: normal, tmin: 0.0, tmax: 2.0 * far, start: 0.0 };
+        let mut query = across.query(tables, None);
+        query.aim(tables.cells[0].root, across.tmax);
+        for _ in 0..MOST {
+            let found = probe.nearest(&walk, &query);
+            if found.triangle == NONE {
+                return false;
+            }
+            if walk.are_of_one(found.triangle, triangle) {
+                return true;
+            }
+            query.follow(found.t, found.triangle + 1);
+        }
+        true
     }
 
     /// What a ray meets that comes past the edge of what it does not come from within of, which it has met: what is behind that, or, where something else
