@@ -12,6 +12,7 @@ pub(crate) mod check;
 pub(crate) mod cover;
 pub(crate) mod detail;
 mod facets;
+pub(crate) mod fringe;
 pub(crate) mod glass;
 #[cfg(all(test, feature = "compile"))]
 mod glass_tests;
@@ -47,12 +48,11 @@ use hull::Hull;
 use joined::{Joined, Once};
 use kernels::Kernels;
 use outer::Outer;
-use parting::Partings;
 use rays::Rays;
 use screen::Screen;
 use shade::{Canvas, Looks, Show, square};
 pub(crate) use told::Told;
-use walk::{AROUND, Around, Space, Walker};
+use walk::{AROUND, Around, Known, Space, Walker};
 
 use enfilade_importers::Semantic;
 use glam::DVec3;
@@ -116,7 +116,7 @@ struct Many {
 /// What is kept from picture to picture.
 struct Kept {
     kernels: Kernels,
-    partings: Partings,
+    known: Known,
     looks: Looks,
     /// Not in use.
     works: Mutex<Vec<Work>>,
@@ -135,6 +135,7 @@ struct Work {
     layers: Layers,
     once: Once,
     unsure: Vec<[i32; 3]>,
+    edges: Vec<[i32; 2]>,
     counts: BeamCounts,
 }
 
@@ -144,6 +145,7 @@ struct Shot<'s> {
     /// Along the internal frame's axes.
     internal: Screen,
     width: u32,
+    height: u32,
     show: Show,
     /// The cell of the eye; none in a solid.
     start: Option<u32>,
@@ -161,7 +163,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let kernel = Kernel::avx512().unwrap_or(Kernel::best());
         let kept = Kept {
             kernels: Kernels(kernel),
-            partings: Partings::new(scene.tables.cells.len()),
+            known: Known::new(scene.tables.cells.len()),
             works: Mutex::new(Vec::new()),
             joined: Joined::new(scene.tables.runs.len()),
             outer: Outer::new(&scene),
@@ -276,7 +278,8 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         let screen = Screen::new(&camera.pinhole(width, height), &prisms, aside);
         let (scene, internal): (&Scene, _) = (&self.scene, screen.internal(&prisms));
         let (kept, hidden) = (&self.kept, self.kept.backs.seen_from(&scene.tables, internal.eye));
-        let mut shot = Shot { internal, screen, width, show, start, scene, kept, hidden, facets: None };
+        let mut shot =
+            Shot { internal, screen, width, height, show, start, scene, kept, hidden, facets: None };
         if show == Show::Light && (shot.is_all() || shot.is_outside() && Many::are_few_enough(scene)) {
             shot.facets = self.many.facets(scene, kept);
         }
@@ -431,13 +434,14 @@ impl Shot<'_> {
 
 impl Work {
     fn new() -> Work {
-        let (unsure, counts) = Default::default();
+        let (unsure, edges, counts) = Default::default();
         Work {
             space: Space::new(),
             depths: Depths::new(),
             layers: Layers::new(),
             once: Once::new(),
             unsure,
+            edges,
             counts,
         }
     }
@@ -463,6 +467,7 @@ impl Work {
             sky: SKY_COLOR,
             layers: &mut self.layers,
             unsure: &mut self.unsure,
+            edges: &mut self.edges,
             detail: &mut detail,
             triangles: 0,
             spans: 0,
@@ -478,10 +483,11 @@ impl Work {
             kept.kernels,
             &mut self.space,
             &mut canvas,
-            (&kept.partings, around),
+            (&kept.known, around),
         );
-        walker.band(width as i32, [first, first + rows as i32], start);
+        walker.band([shot.width, shot.height], [first, first + rows as i32], start);
         canvas.melt();
+        canvas.leave_edges();
         self.counts.spans += canvas.spans;
         self.counts.triangles += canvas.triangles;
         self.counts.cells += self.space.cells;

@@ -148,6 +148,55 @@ impl Arena {
     }
 }
 
+impl Arena {
+    /// Gives `take` the pixels of a region that are no farther than so many pixels from a line: the row, and from which column up to which.
+    pub(super) fn near(
+        &mut self,
+        kernels: &Kernels,
+        region: Region,
+        (line, pixels): (Line, f64),
+        mut take: impl FnMut(i32, [i32; 2]),
+    ) {
+        let Line([u, v, w]) = line;
+        let off = pixels * (u * u + v * v).sqrt();
+        let ([x0, x1], [y0, y1]) = (region.columns, region.rows);
+        let ends = |c: f64, [from, to]: [i32; 2]| {
+            let (a, b) = (c * f64::from(from), c * f64::from(to - 1));
+            (a.min(b), a.max(b))
+        };
+        let ((least_x, most_x), (least_y, most_y)) = (ends(u, [x0, x1]), ends(v, [y0, y1]));
+        // A line that is none is nowhere.
+        if !(least_x + least_y + w <= off && most_x + most_y + w >= -off) {
+            return;
+        }
+        let (slope, starts) = (-v / u, [(off - w) / u, (-off - w) / u]);
+        let is_along_rows = !(slope.is_finite() && starts.iter().all(|start| start.is_finite()));
+        if is_along_rows {
+            let [lo, hi] = self.borders(&region);
+            for (row, (&lo, &hi)) in (y0..).zip(lo.iter().zip(hi)) {
+                if lo < hi && (v * f64::from(row) + w).abs() <= off {
+                    take(row, [lo, hi]);
+                }
+            }
+            return;
+        }
+        let (top, count) = (self.top(), (y1 - y0) as usize);
+        let (lo, hi) = (self.range(region.lo, region.rows), self.range(region.hi, region.rows));
+        self.columns.resize(top + 2 * count + ROWS, 0);
+        let (old, new) = self.columns.split_at_mut(top);
+        let (from, to) = new[..2 * count].split_at_mut(count);
+        let borders = [&old[lo], &old[hi]];
+        kernels.split(borders, from, y0, [slope, starts[0].min(starts[1])]);
+        kernels.split(borders, to, y0, [slope, starts[0].max(starts[1])]);
+        for (row, (&from, &to)) in (y0..).zip(from.iter().zip(&*to)) {
+            if from < to {
+                take(row, [from, to]);
+            }
+        }
+        self.forget(top);
+    }
+}
+
 /// The rows, the first being `first`, from the first to the last that is not empty.
 fn trimmed(lo: &[i32], hi: &[i32], first: i32) -> Option<[i32; 2]> {
     let holds = |(lo, hi): (&i32, &i32)| lo < hi;

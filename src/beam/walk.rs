@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::fringe::{Fringe, Fringes};
 use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;
 use super::outer::Outer;
@@ -54,6 +55,10 @@ pub(crate) trait Paint {
     /// through. What is painted after that in the same place is behind.
     fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]);
 
+    /// Takes pixels of a row, from one column up to another, of which rays are to tell what they show behind the detail so far, if any: a line passes them nearer than
+    /// cells are rounded. They may come several times, and are painted besides.
+    fn edge(&mut self, row: i32, columns: [i32; 2]);
+
     /// Whether all pixels of a region show detail before whatever comes now.
     fn is_hidden(&self, arena: &Arena, region: &Region) -> bool;
 }
@@ -84,14 +89,32 @@ impl Space {
 
 /// A picture under way.
 pub(super) struct Walker<'a, P> {
+    tables: &'a Views,
     prisms: Prisms<'a>,
     screen: &'a Screen,
     kernels: Kernels,
     space: &'a mut Space,
     paint: &'a mut P,
-    partings: &'a Partings,
+    known: &'a Known,
+    /// How many pixels the picture is wide and high.
+    size: [u32; 2],
+    /// How far off lines are of the cell that is looked at.
+    fringe: Fringe,
     /// What lies around the prisms.
     around: Around<'a>,
+}
+
+/// What is kept of the cells of a scene.
+pub(crate) struct Known {
+    pub(crate) partings: Partings,
+    pub(crate) fringes: Fringes,
+}
+
+impl Known {
+    /// Of so many.
+    pub(crate) fn new(cells: usize) -> Known {
+        Known { partings: Partings::new(cells), fringes: Fringes::new(cells) }
+    }
 }
 
 /// What lies around the prisms.
@@ -112,14 +135,16 @@ impl<'a, P: Paint> Walker<'a, P> {
         kernels: Kernels,
         space: &'a mut Space,
         paint: &'a mut P,
-        (partings, around): (&'a Partings, Around<'a>),
+        (known, around): (&'a Known, Around<'a>),
     ) -> Self {
-        Walker { prisms: Prisms::new(tables), screen, kernels, space, paint, partings, around }
+        let (prisms, fringe) = (Prisms::new(tables), Fringe::default());
+        Walker { tables, prisms, screen, kernels, space, paint, known, size: [0; 2], fringe, around }
     }
 
-    /// Paints the band of rows from `first` up to `end` of a picture `width` pixels wide, as seen from the cell `start`, which holds the eye, if one does.
-    pub(super) fn band(&mut self, width: i32, [first, end]: [i32; 2], start: Option<u32>) {
-        let region = self.space.arena.begin(width, first, end);
+    /// Paints the band of rows from `first` up to `end` of a picture of this size, pixels, as seen from the cell `start`, which holds the eye, if one does.
+    pub(super) fn band(&mut self, size: [u32; 2], [first, end]: [i32; 2], start: Option<u32>) {
+        self.size = size;
+        let region = self.space.arena.begin(size[0] as i32, first, end);
         self.space.tasks.clear();
         self.space.cells = 0;
         let Some(start) = start else {
@@ -157,6 +182,33 @@ impl<'a, P: Paint> Walker<'a, P> {
 
     fn split(&mut self, region: Region, line: Line) -> (Option<Region>, Option<Region>) {
         self.space.arena.split(&self.kernels, region, line)
+    }
+
+    /// The same by a line of the cell that is looked at, which is off by no more than so many pixels.
+    fn split_off(
+        &mut self,
+        region: Region,
+        line: Line,
+        off: impl FnOnce(Fringe) -> f64,
+    ) -> (Option<Region>, Option<Region>) {
+        if !self.fringe.is_none() {
+            let (off, paint) = (off(self.fringe), &mut *self.paint);
+            self.space
+                .arena
+                .near(&self.kernels, region, (line, off), |row, columns| paint.edge(row, columns));
+        }
+        self.split(region, line)
+    }
+
+    /// Where rays that leave through one plane do so outside, and inside, of another.
+    fn split_at(&mut self, region: Region, other: &Plane, exit: &Plane) -> (Option<Region>, Option<Region>) {
+        self.split_off(region, other.beyond_at(exit), |fringe| fringe.between(other, exit))
+    }
+
+    /// Where rays pass a corner on the left, and on the right.
+    fn split_past(&mut self, region: Region, corner: DVec2) -> (Option<Region>, Option<Region>) {
+        let (way, line) = self.past(corner);
+        self.split_off(region, line, |fringe| fringe.past(way.length()))
     }
 
     /// The floor (`up` is -1) or ceiling (1) of a cell.
@@ -263,6 +315,8 @@ impl<'a, P: Paint> Walker<'a, P> {
             self.outside(task.region);
             return;
         }
+        let off = self.known.fringes.of(self.tables, task.cell);
+        self.fringe = Fringe::new(self.screen, self.size, off);
         let sides = prisms.sides_of(cell);
         let holds_eye = task.from == NONE;
         let settle = |plane: Plane| if holds_eye { plane.around_eye() } else { plane };
@@ -302,30 +356,30 @@ impl<'a, P: Paint> Walker<'a, P> {
     /// each other.
     fn all_around(&mut self, inside: &In<'_>) {
         let count = inside.sides.len();
-        let (zero, line) = self.past(corner(&inside.sides[0]));
-        let (left, right) = self.split(inside.task.region, line);
+        let (zero, _) = self.past(corner(&inside.sides[0]));
+        let (left, right) = self.split_past(inside.task.region, corner(&inside.sides[0]));
         let mut rest = left;
         for side in 0..count {
             let Some(region) = rest else { break };
             let next = if side + 1 < count { side + 1 } else { 0 };
-            let (way, line) = self.past(corner(&inside.sides[next]));
+            let (way, _) = self.past(corner(&inside.sides[next]));
             if next == 0 || zero.perp_dot(way) <= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (beyond, before) = self.split(region, line);
+            let (beyond, before) = self.split_past(region, corner(&inside.sides[next]));
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
         let mut rest = right;
         for side in (0..count).rev() {
             let Some(region) = rest else { break };
-            let (way, line) = self.past(corner(&inside.sides[side]));
+            let (way, _) = self.past(corner(&inside.sides[side]));
             if side == 0 || zero.perp_dot(way) >= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (before, beyond) = self.split(region, line);
+            let (before, beyond) = self.split_past(region, corner(&inside.sides[side]));
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
@@ -346,8 +400,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.column(inside, side % count, region);
                 return;
             }
-            let (_, line) = self.past(corner(&inside.sides[next]));
-            let (beyond, before) = self.split(region, line);
+            let (beyond, before) = self.split_past(region, corner(&inside.sides[next]));
             before.into_iter().for_each(|before| self.column(inside, side % count, before));
             let Some(beyond) = beyond else { return };
             region = beyond;
@@ -364,7 +417,7 @@ impl<'a, P: Paint> Walker<'a, P> {
             if !inside.ends[end].is_exit() {
                 continue;
             }
-            let (first, later) = self.split(region, inside.ends[end].beyond_at(&plane));
+            let (first, later) = self.split_at(region, &inside.ends[end], &plane);
             if let Some(first) = first {
                 self.cover(inside, end, covers, first);
             }
@@ -379,7 +432,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 return;
             }
             let top = self.level(face.top, 1.0);
-            let (above, under) = self.split(region, top.beyond_at(&plane));
+            let (above, under) = self.split_at(region, &top, &plane);
             under.into_iter().for_each(|under| self.leave(inside, &plane, to, under));
             let Some(above) = above else { return };
             region = above;
@@ -393,7 +446,7 @@ impl<'a, P: Paint> Walker<'a, P> {
             self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             return;
         }
-        let tree = self.partings.of(inside.task.cell, end == 1, &self.prisms, covers);
+        let tree = self.known.partings.of(inside.task.cell, end == 1, &self.prisms, covers);
         self.part(inside, plane, (tree, tree.len() - 1), covers, region);
     }
 
@@ -413,7 +466,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             }
             Part::Split { by, right, left } => {
-                let (outer, inner) = self.split(region, self.splitting(by).beyond_at(plane));
+                let (outer, inner) = self.split_at(region, &self.splitting(by), plane);
                 for (region, at) in [(outer, right), (inner, left)] {
                     if let Some(region) = region {
                         self.part(inside, plane, (tree, at as usize), covers, region);

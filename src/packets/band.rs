@@ -124,6 +124,9 @@ impl Band<'_, '_, '_> {
             }
         }
         self.draw();
+        if self.shot.show != Show::Sizes {
+            self.canvas.leave_edges();
+        }
     }
 
     /// Follows a packet as far as it stays whole.
@@ -135,12 +138,13 @@ impl Band<'_, '_, '_> {
         let ([x, y], [half_x, half_y]) = ([middle(0), middle(1)], [half(0), half(1)]);
         loop {
             match self.tree.nodes[packet.way.node as usize] {
-                Node::Line { line: [u, v, w], sides } => {
+                Node::Line { line: [u, v, w], off, sides } => {
                     let value = u * x + v * y + w;
                     let reach = [u.abs() * half_x, v.abs() * half_y];
-                    if value >= reach[0] + reach[1] {
+                    let most = reach[0] + reach[1] + f64::from(off);
+                    if value >= most {
                         packet.way.node = sides[0];
-                    } else if value < -reach[0] - reach[1] {
+                    } else if value < -most {
                         packet.way.node = sides[1];
                     } else if packet.is_leaf() {
                         return self.leaf::<W>(&packet);
@@ -247,7 +251,11 @@ impl Band<'_, '_, '_> {
             let mut lot = stack[count];
             loop {
                 match self.tree.nodes[lot.way.node as usize] {
-                    Node::Line { line, sides } => {
+                    Node::Line { line, off, sides } => {
+                        if off > 0.0 {
+                            let near = lot.bits & near::<W>(packet.from, line, off);
+                            self.edges(packet, near);
+                        }
                         let below = below::<W>(packet.from, line);
                         let parts = [lot.bits & !below, lot.bits & below];
                         if parts[1] == 0 {
@@ -366,6 +374,17 @@ impl Band<'_, '_, '_> {
         self.canvas.paint(self.arena, &region, &seen);
     }
 
+    /// Notes pixels of a leaf that are so near to an edge that rays tell what they show.
+    #[inline]
+    fn edges(&mut self, packet: &Packet, mut bits: u64) {
+        while bits != 0 {
+            let bit = bits.trailing_zeros() as i32;
+            bits &= bits - 1;
+            let [x, y] = [bit % WIDE as i32, bit / WIDE as i32];
+            self.canvas.edges.push([packet.from[1] + y, packet.from[0] + x]);
+        }
+    }
+
     /// Leaves a packet, or some pixels of a leaf, to rays.
     #[inline(never)]
     fn doubt(&mut self, packet: &Packet, bits: Option<u64>) {
@@ -409,7 +428,21 @@ fn below<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3]) -> u64 {
     if doubt == 0 { bits } else { exactly_below(first, [u, v], (bits, doubt)) }
 }
 
-/// The same, where those that are in doubt are told in f64.
+/// Which of the pixels of a leaf that starts at `from` are where a line is no farther than this from 0. The same bits by every kernel.
+#[inline(always)]
+fn near<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3], off: f32) -> u64 {
+    let first = u * f64::from(from[0]) + v * f64::from(from[1]) + w;
+    let along = W::count().mul(W::splat(u as f32));
+    let off = W::splat(off);
+    let mut bits = 0;
+    for j in 0..ROWS {
+        let value = along.add(W::splat((first + v * j as f64) as f32));
+        bits |= u64::from(off.greater(value.abs())) << (WIDE * j);
+    }
+    bits
+}
+
+/// The same as [`below`], where those that are in doubt are told in f64.
 #[cold]
 #[inline(never)]
 fn exactly_below(first: f64, [u, v]: [f64; 2], (mut bits, mut doubt): (u64, u64)) -> u64 {

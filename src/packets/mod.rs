@@ -29,12 +29,11 @@ use crate::beam::glass::Layers;
 use crate::beam::joined::{Joined, Once};
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
-use crate::beam::parting::Partings;
 use crate::beam::rays::Rays;
 use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
 use crate::beam::shade::{self, Canvas, Looks, square};
-use crate::beam::walk::AROUND;
+use crate::beam::walk::{AROUND, Known};
 use crate::beam::{Differences, SKY_COLOR, Told, UNWRITTEN, simd, stand};
 use crate::render::Camera;
 use crate::scene::Scene;
@@ -72,7 +71,7 @@ pub struct Packets<S> {
 /// What is kept from picture to picture.
 struct Kept {
     kernels: Kernels,
-    partings: Partings,
+    known: Known,
     looks: Looks,
     backs: Backs,
     joined: Joined,
@@ -93,6 +92,7 @@ struct Work {
     once: Once,
     stack: Vec<Packet>,
     unsure: Vec<[i32; 3]>,
+    edges: Vec<[i32; 2]>,
     counts: PacketCounts,
 }
 
@@ -102,7 +102,7 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         let looks = Looks::new(&scene.tables);
         let kept = Kept {
             kernels: Kernels(Kernel::avx512().unwrap_or(Kernel::best())),
-            partings: Partings::new(scene.tables.cells.len()),
+            known: Known::new(scene.tables.cells.len()),
             backs: Backs::new(&scene.tables, &looks),
             joined: Joined::new(scene.tables.runs.len()),
             looks,
@@ -204,11 +204,12 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             square: square(&screen),
             screen,
             kernels: kept.kernels,
-            partings: &kept.partings,
+            known: &kept.known,
             looks: &kept.looks,
             joined: &kept.joined,
             hidden: kept.backs.seen_from(tables, internal.eye),
             width,
+            height,
             show,
             start,
             outer: &kept.outer,
@@ -253,10 +254,10 @@ impl Kept {
 
 impl Work {
     fn new(cells: usize) -> Work {
-        let (stack, unsure, counts) = Default::default();
+        let (stack, unsure, edges, counts) = Default::default();
         let (tree, arena, waiting) = (Tree::new(cells), Arena::new(), Waiting::new());
         let (depths, once) = (Depths::new(), Once::new());
-        Work { tree, shot: 0, root: 0, arena, waiting, depths, once, stack, unsure, counts }
+        Work { tree, shot: 0, root: 0, arena, waiting, depths, once, stack, unsure, edges, counts }
     }
 
     /// Makes a band of rows from the `first` on.
@@ -282,6 +283,7 @@ impl Work {
             // Glass is opaque.
             layers: &mut Layers::new(),
             unsure: &mut self.unsure,
+            edges: &mut self.edges,
             detail: &mut Detail::new(shot.tables, shot.internal, &shot.hidden, &mut self.once),
             triangles: 0,
             spans: 0,

@@ -1,12 +1,14 @@
 //! A picture under way: what is the same for all its packets.
 
 use crate::beam::backs::Hidden;
+use crate::beam::fringe::Fringe;
 use crate::beam::joined::Joined;
 use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
-use crate::beam::parting::{By, Partings};
+use crate::beam::parting::By;
 use crate::beam::screen::{Plane, Screen};
 use crate::beam::shade::{Looks, Shading};
+use crate::beam::walk::Known;
 use crate::format::Views;
 use crate::trace::Prisms;
 
@@ -33,11 +35,12 @@ pub(super) struct Shot<'s> {
     pub(super) kernels: Kernels,
     /// The square of the size of a ray, as [`Shading::square`].
     pub(super) square: [f32; 5],
-    pub(super) partings: &'s Partings,
+    pub(super) known: &'s Known,
     pub(super) looks: &'s Looks,
     pub(super) joined: &'s Joined,
     pub(super) hidden: Hidden<'s>,
     pub(super) width: u32,
+    pub(super) height: u32,
     pub(super) show: Show,
     /// The cell of the eye; none in a solid.
     pub(super) start: Option<u32>,
@@ -52,6 +55,11 @@ impl Shot<'_> {
             By::Upright([a, b]) => self.screen.upright(a, b),
             By::Level(plane) => self.screen.level(self.prisms.plane(plane), 1.0),
         }
+    }
+
+    /// How far off lines of a cell are.
+    pub(super) fn fringe(&self, cell: u32) -> Fringe {
+        Fringe::new(&self.screen, [self.width, self.height], self.known.fringes.of(self.tables, cell))
     }
 
     /// How a source of faces looks in a plane.

@@ -5,7 +5,9 @@
 //! grows where rays come, once a picture; whoever waits at a place of it goes on from there.
 
 use super::shot::Shot;
+use crate::beam::fringe::Fringe;
 use crate::beam::parting::Part;
+use crate::beam::rows::Line;
 use crate::beam::screen::Plane;
 use crate::beam::shade::Shading;
 use crate::beam::walk::{self as beam, To, corner};
@@ -16,8 +18,8 @@ use crate::trace::NONE;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Node {
     /// On which side of the line `u x + v y + w = 0`, in columns and rows, a pixel is: where to go on where that is no less than 0, and
-    /// where it is less.
-    Line { line: [f64; 3], sides: [u32; 2] },
+    /// where it is less. Nearer to 0 than `off` rays tell what is shown.
+    Line { line: [f64; 3], off: f32, sides: [u32; 2] },
     /// From a cell, or [`NONE`], into another.
     Cell { from: u32, to: u32, next: u32 },
     /// Past these of the triangles in cells; where those go on that meet none.
@@ -82,6 +84,8 @@ pub(super) struct Tree {
 struct Inside<'a> {
     index: u32,
     sides: &'a [SideRecord],
+    /// How far off its lines are.
+    fringe: Fringe,
     /// The floor and the ceiling.
     ends: [Plane; 2],
     /// Where those go on that leave through them.
@@ -123,6 +127,11 @@ impl Tree {
             Some(cell) => self.push(Node::Unknown { from: NONE, to: cell }),
             None => UNSURE,
         }
+    }
+
+    /// A line of a cell that is off by so many pixels.
+    fn line(&mut self, Line(line): Line, pixels: f64, sides: [u32; 2]) -> u32 {
+        self.push(self::line(line, pixels, sides))
     }
 
     fn push(&mut self, node: Node) -> u32 {
@@ -172,7 +181,7 @@ impl Tree {
         }
         let (below, above) = prisms.covers_of(cell);
         let beyond = [self.cover(shot, index, 0, below), self.cover(shot, index, 1, above)];
-        let inside = Inside { index, sides, ends, beyond };
+        let inside = Inside { index, sides, fringe: shot.fringe(index), ends, beyond };
         let next = if planes.iter().all(Plane::is_exit) {
             self.all_around(shot, &inside, &planes)
         } else {
@@ -201,7 +210,7 @@ impl Tree {
         let first = (1..count).rev().find(|&side| zero.perp_dot(way(side)) >= 0.0).unwrap_or(0);
         let left = self.columns(shot, inside, planes, 0..=last);
         let right = self.columns(shot, inside, planes, first..=count - 1);
-        self.push(Node::Line { line: line.0, sides: [left, right] })
+        self.line(line, inside.fringe.past(zero.length()), [left, right])
     }
 
     /// The eye is beside the footprint: rays leave through those sides that face away from it.
@@ -240,8 +249,8 @@ impl Tree {
         let middle = columns.len() / 2;
         let right = self.halves(shot, inside, &columns[..middle], first);
         let left = self.halves(shot, inside, &columns[middle..], first + middle);
-        let (_, line) = shot.screen.past(corner(&inside.sides[(first + middle) % inside.sides.len()]));
-        self.push(Node::Line { line: line.0, sides: [left, right] })
+        let (way, line) = shot.screen.past(corner(&inside.sides[(first + middle) % inside.sides.len()]));
+        self.line(line, inside.fringe.past(way.length()), [left, right])
     }
 
     /// Through one side, unless floor or ceiling come before.
@@ -256,12 +265,12 @@ impl Tree {
                 here
             } else {
                 let top = shot.screen.level(shot.prisms.plane(face.top), 1.0);
-                self.push(Node::Line { line: top.beyond_at(plane).0, sides: [node, here] })
+                self.line(top.beyond_at(plane), inside.fringe.between(&top, plane), [node, here])
             };
         }
         for (end, beyond) in inside.ends.iter().zip(inside.beyond).rev() {
             if end.is_exit() {
-                node = self.push(Node::Line { line: end.beyond_at(plane).0, sides: [beyond, node] });
+                node = self.line(end.beyond_at(plane), inside.fringe.between(end, plane), [beyond, node]);
             }
         }
         node
@@ -277,7 +286,7 @@ impl Tree {
                 To::new(cover.cell, cover.source, cover.flags),
             );
         }
-        let tree = shot.partings.of(cell, end == 1, &shot.prisms, covers);
+        let tree = shot.known.partings.of(cell, end == 1, &shot.prisms, covers);
         self.push(Node::Part { cell, end, at: tree.len() as u32 - 1 })
     }
 
@@ -286,7 +295,7 @@ impl Tree {
         let (below, above) = shot.prisms.covers_of(&shot.prisms.cells[cell as usize]);
         let covers = if end == 0 { below } else { above };
         let plane = self::end(shot, cell, end);
-        match shot.partings.of(cell, end == 1, &shot.prisms, covers)[at as usize] {
+        match shot.known.partings.of(cell, end == 1, &shot.prisms, covers)[at as usize] {
             Part::Unsure => Node::Unsure,
             Part::Cover(cover) => {
                 let cover = &covers[cover as usize];
@@ -295,9 +304,9 @@ impl Tree {
                 self.nodes[place as usize]
             }
             Part::Split { by, right, left } => {
-                let line = shot.splitting(by).beyond_at(&plane).0;
+                let by = shot.splitting(by);
                 let sides = [right, left].map(|at| self.push(Node::Part { cell, end, at }));
-                Node::Line { line, sides }
+                self::line(by.beyond_at(&plane).0, shot.fringe(cell).between(&by, &plane), sides)
             }
         }
     }
@@ -322,6 +331,14 @@ impl Tree {
             _ => UNSURE,
         }
     }
+}
+
+/// A line of a cell that is off by so many pixels, and where to go on.
+fn line(line: [f64; 3], pixels: f64, sides: [u32; 2]) -> Node {
+    let [u, v, _] = line;
+    // What is off by nothing is, however near.
+    let off = if pixels > 0.0 { pixels * (u * u + v * v).sqrt() } else { 0.0 };
+    Node::Line { line, off: off as f32, sides }
 }
 
 /// The plane of a cell's floor (`end` is 0) or ceiling (1).

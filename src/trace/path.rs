@@ -125,7 +125,7 @@ impl<'a> Prisms<'a> {
     }
 
     /// How far, metres, a surface of a cell commonly is from the model's: four steps of the lattice.
-    pub(super) fn rounding(&self) -> f64 {
+    pub(crate) fn rounding(&self) -> f64 {
         4.0 * self.reach / LARGEST
     }
 
