@@ -83,7 +83,7 @@ pub struct BeamCounts {
     pub spans: u64,
     /// Triangles drawn.
     pub triangles: u64,
-    /// Pixels of which the cells did not tell what they show: left to rays.
+    /// Pixels of which the cells did not tell what they show, or not to a pixel where an edge is: left to rays.
     pub unsure: u64,
 }
 
@@ -221,7 +221,7 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         self.hits_as(camera, width, (want, true), hits)
     }
 
-    /// The same of what [`Beams::paint`] shows, which is not held against rays.
+    /// The same of what [`Beams::paint`] shows, which is held against rays only where cells are rounded by as much as pixels are from edges.
     #[cfg(feature = "compile")]
     pub(crate) fn painted_hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) {
         self.hits_as(camera, width, (want, false), hits);

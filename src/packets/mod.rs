@@ -143,7 +143,7 @@ impl<S: Deref<Target = Scene>> Packets<S> {
         self.hits_as(camera, width, (want, true), hits)
     }
 
-    /// The same of what [`Packets::paint`] shows, which is not held against rays.
+    /// The same of what [`Packets::paint`] shows, which is held against rays only where cells are rounded by as much as pixels are from edges.
     #[cfg(feature = "compile")]
     pub(crate) fn painted_hits(&mut self, camera: &Camera, width: u32, want: Want, hits: &mut [Hit]) {
         self.hits_as(camera, width, (want, false), hits);
