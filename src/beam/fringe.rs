@@ -6,9 +6,10 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::screen::{Plane, Screen};
+use super::shade::{Show, UNSURE};
 use super::walk::corner;
 use crate::format::Views;
 use crate::format::records::{CellRecord, PLAIN, PlaneRecord};
@@ -92,10 +93,9 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
     let prisms = Prisms::new(tables);
     let (sides, step) = (prisms.sides_of(cell), tables.scene[0].lattice_step());
     let ends = [cell.floor, cell.ceiling].map(|plane| prisms.plane(plane));
-    let at = |plane: &PlaneRecord, side: usize| {
-        let start = corner(&sides[side % sides.len()]);
-        start.extend(plane.slope[0] * start.x + plane.slope[1] * start.y + plane.height)
-    };
+    let over =
+        |plane: &PlaneRecord, p: DVec2| p.extend(plane.slope[0] * p.x + plane.slope[1] * p.y + plane.height);
+    let at = |plane: &PlaneRecord, side: usize| over(plane, corner(&sides[side % sides.len()]));
     let (mut most, mut is_off) = (0.0f64, false);
     // What a face is cut around, and the face's corners, or those of what it is part of.
     let mut look = |source: u32, flags: u16, corners: &mut dyn Iterator<Item = DVec3>| {
@@ -123,10 +123,15 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
             look(face.source, face.flags, &mut corners);
         }
     }
+    // Each of the parts of a floor or a ceiling as if it were all of the box around it: of many parts and sides there are no pairs.
+    let corners = || sides.iter().map(corner);
+    let (lo, hi) =
+        corners().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), c| (lo.min(c), hi.max(c)));
     let (below, above) = prisms.covers_of(cell);
     for (end, covers) in ends.iter().zip([below, above]) {
+        let around = [lo, hi, DVec2::new(lo.x, hi.y), DVec2::new(hi.x, lo.y)].map(|p| over(end, p));
         for cover in covers {
-            look(cover.source, cover.flags, &mut (0..sides.len()).map(|side| at(end, side)));
+            look(cover.source, cover.flags, &mut around.into_iter());
         }
     }
     if most > EXACT || is_off { (AT_EDGES * most).max(step) } else { 0.0 }
@@ -169,5 +174,106 @@ impl Fringe {
     pub(crate) fn between(self, one: &Plane, other: &Plane) -> f64 {
         let distance = |plane: &Plane| plane.away.abs() / plane.size;
         self.past(distance(one).max(distance(other)))
+    }
+}
+
+/// Pixels of a picture so near to an edge that rays are to tell what they show: parts of rows, which may overlap.
+#[derive(Debug, Default)]
+pub(crate) struct Edges(Vec<[i32; 3]>);
+
+impl Edges {
+    /// Adds those from one column of a row up to another that are not taken.
+    pub(crate) fn add(&mut self, row: i32, [from, to]: [i32; 2], is_taken: impl Fn(i32) -> bool) {
+        let mut free = from;
+        for column in from..to {
+            if is_taken(column) {
+                self.push([row, free, column]);
+                free = column + 1;
+            }
+        }
+        self.push([row, free, to]);
+    }
+
+    /// Adds those from one column of a row up to another.
+    pub(crate) fn push(&mut self, part: [i32; 3]) {
+        let [row, from, to] = part;
+        match self.0.last_mut() {
+            Some([last, _, end]) if (*last, *end) == (row, from) => *end = to,
+            _ if from < to => self.0.push(part),
+            _ => {}
+        }
+    }
+
+    /// Adds all of others, which are forgotten there.
+    pub(crate) fn append(&mut self, others: &mut Edges) {
+        self.0.append(&mut others.0);
+    }
+
+    /// Those of the pixels of a picture so many wide, which is made but for them, beside which something else is shown, each once, as parts of rows: colours that
+    /// differ by a step are one. Where numbers are told they become [`UNSURE`].
+    pub(crate) fn asked(mut self, pixels: &mut [u32], width: usize, show: Show) -> Vec<[i32; 3]> {
+        self.0.sort_unstable();
+        let (mut asked, mut done) = (Vec::new(), [-1, 0]);
+        for [row, from, to] in self.0 {
+            let from = if done[0] == row { from.max(done[1]) } else { from };
+            for column in from..to {
+                if is_border(pixels, width, row as usize * width + column as usize, show) {
+                    asked.push([row, column, column + 1]);
+                }
+            }
+            done = [row, to.max(from)];
+        }
+        if show != Show::Light {
+            for &[row, column, _] in &asked {
+                pixels[row as usize * width + column as usize] = UNSURE;
+            }
+        }
+        asked
+    }
+}
+
+/// Whether a pixel beside this one shows something else.
+fn is_border(pixels: &[u32], width: usize, at: usize, show: Show) -> bool {
+    let own = pixels[at];
+    let is_same = |beside: usize| {
+        let other = pixels[beside];
+        let differs = |(a, b): (u8, u8)| a.abs_diff(b) > 1;
+        own == other
+            || show == Show::Light && !own.to_le_bytes().into_iter().zip(other.to_le_bytes()).any(differs)
+    };
+    let left = (!at.is_multiple_of(width)).then(|| at - 1);
+    let right = (!(at + 1).is_multiple_of(width)).then(|| at + 1);
+    let below = Some(at + width).filter(|&below| below < pixels.len());
+    ![left, right, at.checked_sub(width), below].into_iter().flatten().all(is_same)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_at_edges_are_asked_once_where_something_else_is_beside() {
+        let mut pixels = vec![7; 40];
+        pixels[10..20].fill(8);
+        let shown = pixels.clone();
+        let edges = || {
+            let mut edges = Edges::default();
+            edges.add(1, [2, 7], |column| column == 4);
+            edges.add(1, [3, 6], |column| column == 4);
+            edges.push([3, 1, 3]);
+            edges.push([3, 3, 5]);
+            edges.add(0, [9, 9], |_| true);
+            edges
+        };
+        let asked = edges().asked(&mut pixels, 10, Show::Surfaces);
+        assert_eq!(asked, [2, 3, 5, 6].map(|column| [1, column, column + 1]));
+        let unsure = (0..40).filter(|&at| pixels[at] == UNSURE).collect::<Vec<_>>();
+        assert_eq!(unsure, [12, 13, 15, 16]);
+        // As colours they are one; and so many steps farther they are two.
+        pixels.copy_from_slice(&shown);
+        assert_eq!(edges().asked(&mut pixels, 10, Show::Light), [[0; 3]; 0]);
+        pixels[10..20].fill(9);
+        assert_eq!(edges().asked(&mut pixels, 10, Show::Light).len(), 4);
+        assert!(pixels.iter().all(|&pixel| pixel == 7 || pixel == 9));
     }
 }

@@ -43,6 +43,7 @@ pub(crate) use check::UNWRITTEN;
 use cover::Depths;
 use detail::Detail;
 use facets::Facets;
+use fringe::Edges;
 use glass::Layers;
 use hull::Hull;
 use joined::{Joined, Once};
@@ -135,7 +136,7 @@ struct Work {
     layers: Layers,
     once: Once,
     unsure: Vec<[i32; 3]>,
-    edges: Vec<[i32; 2]>,
+    edges: Edges,
     counts: BeamCounts,
 }
 
@@ -285,17 +286,15 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         }
         shot.bands(pixels);
         let mut counts = BeamCounts::default();
-        let mut unsure = Vec::new();
+        let (mut unsure, mut edges) = (Vec::new(), Edges::default());
         for work in self.kept.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
             counts += std::mem::take(&mut work.counts);
             unsure.append(&mut work.unsure);
+            edges.append(&mut work.edges);
         }
-        counts.unsure = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
-        if show == Show::Light {
-            let starts = self.scene.starts_at(camera.eye(), self.last);
-            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
-            rays.shade(&unsure, pixels, SKY_COLOR);
-        }
+        let starts = self.scene.starts_at(camera.eye(), self.last);
+        let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
+        counts.unsure = rays.tell(&unsure, edges, pixels, show);
         counts
     }
 }
@@ -487,7 +486,6 @@ impl Work {
         );
         walker.band([shot.width, shot.height], [first, first + rows as i32], start);
         canvas.melt();
-        canvas.leave_edges();
         self.counts.spans += canvas.spans;
         self.counts.triangles += canvas.triangles;
         self.counts.cells += self.space.cells;

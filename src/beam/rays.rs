@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use super::SKY_COLOR;
+use super::fringe::Edges;
 use super::glass::Passed;
-use super::shade::Looks;
+use super::shade::{Looks, Show};
 use crate::render::Camera;
 use crate::scene::Scene;
 use crate::trace::{Hit, NONE, Ray, Start, Starts, Want};
@@ -29,8 +31,22 @@ pub(crate) struct Rays<'a> {
 }
 
 impl Rays<'_> {
+    /// Tells what pixels show that cells do not tell, parts of rows, and then those at edges beside which something else is shown: their colours, if it is these that
+    /// are made. Returns how many they are.
+    pub(crate) fn tell(&self, unsure: &[[i32; 3]], edges: Edges, pixels: &mut [u32], show: Show) -> u64 {
+        let count = |parts: &[[i32; 3]]| parts.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum::<u64>();
+        if show == Show::Light {
+            self.shade(unsure, pixels, SKY_COLOR);
+        }
+        let asked = edges.asked(pixels, self.width as usize, show);
+        if show == Show::Light {
+            self.shade(&asked, pixels, SKY_COLOR);
+        }
+        count(unsure) + count(&asked)
+    }
+
     /// Shades parts of rows, each a row and from where up to where.
-    pub(crate) fn shade(&self, parts: &[[i32; 3]], pixels: &mut [u32], sky: u32) {
+    pub(super) fn shade(&self, parts: &[[i32; 3]], pixels: &mut [u32], sky: u32) {
         let pinhole = self.camera.pinhole(self.width, self.height);
         let places = parts.iter().flat_map(|&[row, lo, hi]| (lo..hi).map(move |column| [column, row]));
         let mut places = places.peekable();

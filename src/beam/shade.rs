@@ -3,6 +3,7 @@
 use super::cover::Cover;
 use super::detail::{Detail, Drawn, Pen, borders_of};
 use super::facets::Facets;
+use super::fringe::Edges;
 use super::glass::{Layer, Layers, Pane};
 use super::joined::Joined;
 use super::kernels::{Flat, Kernels, Tint, is_taken};
@@ -81,8 +82,7 @@ pub(crate) struct Canvas<'a, 'd> {
     pub(crate) layers: &'a mut Layers,
     /// Parts of rows that rays must tell: the row, and from where up to where.
     pub(crate) unsure: &'a mut Vec<[i32; 3]>,
-    /// Pixels so near to an edge that rays must tell them: row and column, perhaps several times.
-    pub(crate) edges: &'a mut Vec<[i32; 2]>,
+    pub(crate) edges: &'a mut Edges,
     pub(crate) detail: &'a mut Detail<'d>,
     /// Triangles drawn.
     pub(crate) triangles: u64,
@@ -216,45 +216,6 @@ impl<'a, 'd> Canvas<'a, 'd> {
     }
 }
 
-impl Canvas<'_, '_> {
-    /// Leaves to rays those of the pixels at edges beside which something else is shown.
-    pub(crate) fn leave_edges(&mut self) {
-        self.edges.sort_unstable();
-        self.edges.dedup();
-        let edges = std::mem::take(self.edges);
-        let first = self.unsure.len();
-        let asked = edges.iter().filter(|&&[row, column]| self.is_border(row, column));
-        let asked: Vec<[i32; 3]> = asked.map(|&[row, column]| [row, column, column + 1]).collect();
-        self.unsure.extend(asked);
-        if self.show != Show::Light {
-            for &[row, column, _] in &self.unsure[first..] {
-                self.cover.pixels[(row - self.cover.top) as usize * self.cover.width + column as usize] =
-                    UNSURE;
-            }
-        }
-        *self.edges = edges;
-        self.edges.clear();
-    }
-
-    /// Whether a pixel is at the end of the band, or one beside it shows something else: colours that differ by a step are one.
-    fn is_border(&self, row: i32, column: i32) -> bool {
-        let (width, pixels) = (self.cover.width, &*self.cover.pixels);
-        let at = (row - self.cover.top) as usize * width + column as usize;
-        let is_same = |other: u32| match self.show {
-            Show::Light => {
-                let (own, other) = (pixels[at].to_le_bytes(), other.to_le_bytes());
-                own.iter().zip(other).all(|(own, other)| own.abs_diff(other) <= 1)
-            }
-            Show::Surfaces | Show::Cells => pixels[at] == other,
-        };
-        let is_in_row = column > 0 && column as usize + 1 < width;
-        let is_in_band = at >= width && at + width < pixels.len();
-        !(is_in_row
-            && is_in_band
-            && [at - 1, at + 1, at - width, at + width].into_iter().all(|at| is_same(pixels[at])))
-    }
-}
-
 impl Paint for Canvas<'_, '_> {
     fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]) {
         let (cell, triangles) = of;
@@ -270,9 +231,7 @@ impl Paint for Canvas<'_, '_> {
     }
 
     fn edge(&mut self, row: i32, [from, to]: [i32; 2]) {
-        let cover = &self.cover;
-        self.edges
-            .extend((from..to).filter(|&column| !cover.is_taken(row, column)).map(|column| [row, column]));
+        self.edges.add(row, [from, to], |column| self.cover.is_taken(row, column));
     }
 
     fn is_hidden(&self, arena: &Arena, region: &Region) -> bool {

@@ -124,9 +124,6 @@ impl Band<'_, '_, '_> {
             }
         }
         self.draw();
-        if self.shot.show != Show::Sizes {
-            self.canvas.leave_edges();
-        }
     }
 
     /// Follows a packet as far as it stays whole.
@@ -377,11 +374,15 @@ impl Band<'_, '_, '_> {
     /// Notes pixels of a leaf that are so near to an edge that rays tell what they show.
     #[inline]
     fn edges(&mut self, packet: &Packet, mut bits: u64) {
+        if self.shot.show == Show::Sizes {
+            return;
+        }
         while bits != 0 {
             let bit = bits.trailing_zeros() as i32;
             bits &= bits - 1;
             let [x, y] = [bit % WIDE as i32, bit / WIDE as i32];
-            self.canvas.edges.push([packet.from[1] + y, packet.from[0] + x]);
+            let column = packet.from[0] + x;
+            self.canvas.edges.push([packet.from[1] + y, column, column + 1]);
         }
     }
 

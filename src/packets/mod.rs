@@ -25,6 +25,7 @@ use crate::beam::backs::Backs;
 use crate::beam::check::compare;
 use crate::beam::cover::Depths;
 use crate::beam::detail::Detail;
+use crate::beam::fringe::Edges;
 use crate::beam::glass::Layers;
 use crate::beam::joined::{Joined, Once};
 use crate::beam::kernels::Kernels;
@@ -32,7 +33,7 @@ use crate::beam::outer::Outer;
 use crate::beam::rays::Rays;
 use crate::beam::rows::Arena;
 use crate::beam::screen::Screen;
-use crate::beam::shade::{self, Canvas, Looks, square};
+use crate::beam::shade::{Canvas, Looks, square};
 use crate::beam::walk::{AROUND, Known};
 use crate::beam::{Differences, SKY_COLOR, Told, UNWRITTEN, simd, stand};
 use crate::render::Camera;
@@ -92,7 +93,7 @@ struct Work {
     once: Once,
     stack: Vec<Packet>,
     unsure: Vec<[i32; 3]>,
-    edges: Vec<[i32; 2]>,
+    edges: Edges,
     counts: PacketCounts,
 }
 
@@ -215,17 +216,16 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             outer: &kept.outer,
         };
         kept.bands(&shot, pixels);
-        let (mut counts, mut unsure) = (PacketCounts::default(), Vec::new());
+        let mut counts = PacketCounts::default();
+        let (mut unsure, mut edges) = (Vec::new(), Edges::default());
         for work in self.kept.works.get_mut().unwrap_or_else(PoisonError::into_inner) {
             counts.add(&std::mem::take(&mut work.counts));
             unsure.append(&mut work.unsure);
+            edges.append(&mut work.edges);
         }
-        counts.rays = unsure.iter().map(|[_, lo, hi]| (hi - lo) as u64).sum();
-        if show == Show::Light {
-            let starts = self.scene.starts_at(camera.eye(), NONE);
-            let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
-            rays.shade(&unsure, pixels, SKY_COLOR);
-        }
+        let starts = self.scene.starts_at(camera.eye(), NONE);
+        let rays = Rays { scene: &self.scene, camera, looks: &self.kept.looks, width, height, starts };
+        counts.rays = rays.tell(&unsure, edges, pixels, show.of_canvas());
         counts
     }
 }
@@ -273,7 +273,7 @@ impl Work {
         let canvas = Canvas {
             tables: shot.tables,
             kernels: shot.kernels,
-            show: if shot.show == Show::Light { shade::Show::Light } else { shade::Show::Surfaces },
+            show: shot.show.of_canvas(),
             cover,
             looks: shot.looks,
             joined: shot.joined,

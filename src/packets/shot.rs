@@ -7,7 +7,7 @@ use crate::beam::kernels::Kernels;
 use crate::beam::outer::Outer;
 use crate::beam::parting::By;
 use crate::beam::screen::{Plane, Screen};
-use crate::beam::shade::{Looks, Shading};
+use crate::beam::shade::{self, Looks, Shading};
 use crate::beam::walk::Known;
 use crate::format::Views;
 use crate::trace::Prisms;
@@ -21,6 +21,13 @@ pub(super) enum Show {
     Surfaces,
     /// How large the packet was that told.
     Sizes,
+}
+
+impl Show {
+    /// What the pixels of triangles become, and of what is left to rays.
+    pub(super) fn of_canvas(self) -> shade::Show {
+        if self == Show::Light { shade::Show::Light } else { shade::Show::Surfaces }
+    }
 }
 
 /// A picture under way.
