@@ -12,13 +12,14 @@ use super::screen::{Plane, Screen};
 use super::shade::{Show, UNSURE};
 use super::walk::corner;
 use crate::format::Views;
-use crate::format::records::{CellRecord, PLAIN, PlaneRecord};
+use crate::format::records::{CellRecord, PLAIN, PlaneRecord, SourceRecord};
 use crate::trace::{NONE, Prisms};
 
 /// What cells are off by less, metres, is rounding.
 const EXACT: f64 = 1e-8;
 
-/// An edge, where two faces meet, is off by no more than so many times as far as these are: at right angles by the root of two.
+/// An edge, where two faces meet, is off by no more than so many times as far as these are, if they meet at an angle of 60 to 120 degrees: at right angles by the
+/// root of two. Flatter and sharper ones may be off by more.
 const AT_EDGES: f64 = 2.0;
 
 /// How far cells are off, metres, as bits of f32; or, where nobody came yet, [`NONE`].
@@ -102,19 +103,23 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
         if source == NONE {
             return;
         }
-        let source = &tables.sources[source as usize];
-        let triangle = tables.triangles[tables.surfaces[source.first as usize] as usize];
-        let triangle = triangle.map(|v| prisms.local(DVec3::from(tables.vertices[v as usize])));
-        let [a, b, c] = triangle;
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
-        // Of a face that is not in one plane that of one of its triangles says nothing.
-        if flags & PLAIN != 0 {
-            most = corners.fold(most, |most, corner| most.max((corner - a).dot(normal).abs()));
-        } else {
-            most = most.max(prisms.rounding());
-        }
+        let SourceRecord { first, count, plane, .. } = tables.sources[source as usize];
+        let corners_of = |triangle: u32| {
+            tables.triangles[triangle as usize]
+                .map(|v| prisms.local(DVec3::from(tables.vertices[v as usize])))
+        };
         // Where what is met ends may be off, too.
-        is_off |= triangle.iter().any(|p| (*p - (*p / step).round() * step).abs().max_element() > EXACT);
+        let few = &tables.surfaces[first as usize..][..count.min(SourceRecord::FEW) as usize];
+        let is_on_lattice = |p: DVec3| (p - (p / step).round() * step).abs().max_element() <= EXACT;
+        is_off |= !few.iter().all(|&triangle| corners_of(triangle).into_iter().all(is_on_lattice));
+        // Of a face that is not in one plane that of one of its triangles says nothing.
+        if flags & PLAIN == 0 || plane == NONE {
+            most = most.max(prisms.rounding());
+            return;
+        }
+        let [a, b, c] = corners_of(plane);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        most = corners.fold(most, |most, corner| most.max((corner - a).dot(normal).abs()));
     };
     for (index, side) in sides.iter().enumerate() {
         for face in prisms.faces_of(side) {
@@ -177,9 +182,14 @@ impl Fringe {
     }
 }
 
-/// Pixels of a picture so near to an edge that rays are to tell what they show: parts of rows, which may overlap.
+/// Pixels of a picture so near to an edge that rays are to tell what they show: parts of rows.
 #[derive(Debug, Default)]
-pub(crate) struct Edges(Vec<[i32; 3]>);
+pub(crate) struct Edges {
+    /// Row, and from where up to where; they may overlap.
+    parts: Vec<[i32; 3]>,
+    /// How many there were when they last were put together.
+    together: usize,
+}
 
 impl Edges {
     /// Adds those from one column of a row up to another that are not taken.
@@ -196,37 +206,52 @@ impl Edges {
 
     /// Adds those from one column of a row up to another.
     pub(crate) fn push(&mut self, part: [i32; 3]) {
+        /// Fewer may wait.
+        const FEW: usize = 1 << 16;
         let [row, from, to] = part;
-        match self.0.last_mut() {
+        match self.parts.last_mut() {
             Some([last, _, end]) if (*last, *end) == (row, from) => *end = to,
-            _ if from < to => self.0.push(part),
+            _ if from < to => self.parts.push(part),
             _ => {}
+        }
+        // Lines that pass the same pixels again and again fill no memory.
+        if self.parts.len() > FEW.max(2 * self.together) {
+            self.put_together();
         }
     }
 
     /// Adds all of others, which are forgotten there.
     pub(crate) fn append(&mut self, others: &mut Edges) {
-        self.0.append(&mut others.0);
+        self.parts.append(&mut others.parts);
+        others.together = 0;
+    }
+
+    /// Sorts the parts, so that none overlap.
+    fn put_together(&mut self) {
+        self.parts.sort_unstable();
+        self.parts.dedup_by(|next, last| {
+            let overlaps = next[0] == last[0] && next[1] <= last[2];
+            if overlaps {
+                last[2] = last[2].max(next[2]);
+            }
+            overlaps
+        });
+        self.together = self.parts.len();
     }
 
     /// Those of the pixels of a picture so many wide, which is made but for them, beside which something else is shown, each once, as parts of rows: colours that
-    /// differ by a step are one. Where numbers are told they become [`UNSURE`].
+    /// differ by a step are one. Where numbers are told they become [`UNSURE`]; those that are already are not among them.
     pub(crate) fn asked(mut self, pixels: &mut [u32], width: usize, show: Show) -> Vec<[i32; 3]> {
-        self.0.sort_unstable();
-        let (mut asked, mut done) = (Vec::new(), [-1, 0]);
-        for [row, from, to] in self.0 {
-            let from = if done[0] == row { from.max(done[1]) } else { from };
-            for column in from..to {
-                if is_border(pixels, width, row as usize * width + column as usize, show) {
-                    asked.push([row, column, column + 1]);
-                }
-            }
-            done = [row, to.max(from)];
-        }
+        self.put_together();
+        let at = |row: i32, column: i32| row as usize * width + column as usize;
+        let is_asked = |&[row, column, _]: &[i32; 3]| {
+            let at = at(row, column);
+            (show == Show::Light || pixels[at] != UNSURE) && is_border(pixels, width, at, show)
+        };
+        let each = self.parts.iter().flat_map(|&[row, from, to]| (from..to).map(move |x| [row, x, x + 1]));
+        let asked: Vec<[i32; 3]> = each.filter(is_asked).collect();
         if show != Show::Light {
-            for &[row, column, _] in &asked {
-                pixels[row as usize * width + column as usize] = UNSURE;
-            }
+            asked.iter().for_each(|&[row, column, _]| pixels[at(row, column)] = UNSURE);
         }
         asked
     }
@@ -250,6 +275,17 @@ fn is_border(pixels: &[u32], width: usize, at: usize, show: Show) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_that_come_again_and_again_fill_no_memory() {
+        let mut edges = Edges::default();
+        for round in 0..1000 {
+            (0..300).for_each(|row| edges.push([row, round % 7, 9 + round % 5]));
+            assert!(edges.parts.len() < 100_000, "{}", edges.parts.len());
+        }
+        edges.put_together();
+        assert_eq!(edges.parts, (0..300).map(|row| [row, 0, 13]).collect::<Vec<_>>());
+    }
 
     #[test]
     fn pixels_at_edges_are_asked_once_where_something_else_is_beside() {

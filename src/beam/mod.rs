@@ -203,12 +203,14 @@ impl<S: Deref<Target = Scene>> Beams<S> {
         self.show(camera, width, pixels, Show::Light)
     }
 
-    /// Writes over `pixels`, of which there are `width` by some height, what each shows: see [`Surface::of`].
+    /// Writes over `pixels`, of which there are `width` by some height, what each shows: see [`Surface::of`]. Of those nearer to an edge than cells are rounded
+    /// that is left to rays: [`Surface::Unsure`].
     pub fn surfaces(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
         self.show(camera, width, pixels, Show::Surfaces)
     }
 
-    /// Writes over `pixels`, of which there are `width` by some height, the cell in which the ray of each ends: 0 where it leaves them all.
+    /// Writes over `pixels`, of which there are `width` by some height, the cell in which the ray of each ends: 0 where it leaves them all, and
+    /// no cell's number where rays are to tell.
     pub fn cells(&mut self, camera: &Camera, width: u32, pixels: &mut [u32]) -> BeamCounts {
         self.show(camera, width, pixels, Show::Cells)
     }

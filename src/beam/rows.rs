@@ -166,7 +166,7 @@ impl Arena {
         };
         let ((least_x, most_x), (least_y, most_y)) = (ends(u, [x0, x1]), ends(v, [y0, y1]));
         // A line that is none is nowhere.
-        if !(least_x + least_y + w <= off && most_x + most_y + w >= -off) {
+        if !(off > 0.0 && least_x + least_y + w <= off && most_x + most_y + w >= -off) {
             return;
         }
         let (slope, starts) = (-v / u, [(off - w) / u, (-off - w) / u]);

@@ -321,10 +321,12 @@ fn each_pixel_is_painted_once() {
 #[cfg(feature = "rayon")]
 #[test]
 fn threads_do_not_matter() {
-    let scene = Sample::House.scene();
-    let mut cameras = views(scene, 6);
-    cameras.push(crate::render::outside_view(scene));
-    for camera in cameras {
+    // Of what is drawn by hand pixels at edges are left to rays.
+    let of =
+        |scene: &'static Scene, count: usize| views(scene, count).into_iter().map(move |view| (scene, view));
+    let (exact, drawn) = (Sample::House.scene(), Sample::House.drawn(1));
+    let outside = (exact, crate::render::outside_view(exact));
+    for (scene, camera) in of(exact, 6).chain(of(drawn, 4)).chain([outside]) {
         let [width, height] = [200, 611];
         let pictures = [1, 2, 3, 16].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -130,13 +130,19 @@ impl Told {
             Surface::Triangle(triangle) => {
                 scene.tables.elements[scene.triangle_element(triangle) as usize].role == Role::Solid as u32
             }
-            Surface::Sky | Surface::Unsure => false,
+            Surface::Sky => false,
+            // Mostly at the edge of one.
+            Surface::Unsure => true,
         };
         let is_border = |index: usize| {
             let own = self.surfaces[index];
+            // Its ray is asked anyway.
+            if own == shade::UNSURE {
+                return false;
+            }
             let mut others = self.around(width, index).map(|beside| self.surfaces[beside]);
             // By itself it may be through a corner, of what no pixel beside shows.
-            let is_alone = own != shade::UNSURE && others.clone().all(|other| other != own);
+            let is_alone = others.clone().all(|other| other != own);
             is_alone || others.any(|other| other != own && (is_face(own) || is_face(other)))
         };
         let count = self.surfaces.len();
