@@ -266,10 +266,15 @@ fn is_border(pixels: &[u32], width: usize, at: usize, show: Show) -> bool {
         own == other
             || show == Show::Light && !own.to_le_bytes().into_iter().zip(other.to_le_bytes()).any(differs)
     };
-    let left = (!at.is_multiple_of(width)).then(|| at - 1);
-    let right = (!(at + 1).is_multiple_of(width)).then(|| at + 1);
-    let below = Some(at + width).filter(|&below| below < pixels.len());
-    ![left, right, at.checked_sub(width), below].into_iter().flatten().all(is_same)
+    !around(width, pixels.len(), at).all(is_same)
+}
+
+/// The pixels beside one of a picture so many pixels wide, which has so many.
+pub(super) fn around(width: usize, count: usize, index: usize) -> impl Iterator<Item = usize> + Clone {
+    let left = (!index.is_multiple_of(width)).then(|| index - 1);
+    let right = (!(index + 1).is_multiple_of(width)).then(|| index + 1);
+    let below = Some(index + width).filter(|&below| below < count);
+    [left, right, index.checked_sub(width), below].into_iter().flatten()
 }
 
 #[cfg(test)]

@@ -24,6 +24,16 @@ pub(crate) struct Region {
 }
 
 impl Region {
+    /// The least and the greatest of what a line is at the pixels of the rectangle around it.
+    fn values(&self, Line([u, v, w]): Line) -> [f64; 2] {
+        let ends = |c: f64, [from, to]: [i32; 2]| {
+            let (a, b) = (c * f64::from(from), c * f64::from(to - 1));
+            (a.min(b), a.max(b))
+        };
+        let ((least_x, most_x), (least_y, most_y)) = (ends(u, self.columns), ends(v, self.rows));
+        [least_x + least_y + w, most_x + most_y + w]
+    }
+
     /// The same in some of its rows only.
     pub(super) fn within(self, rows: [i32; 2]) -> Region {
         Region { rows, ..self }
@@ -107,15 +117,11 @@ impl Arena {
     ) -> (Option<Region>, Option<Region>) {
         let Line([u, v, w]) = line;
         let ([x0, x1], [y0, y1]) = (region.columns, region.rows);
-        let ends = |c: f64, [from, to]: [i32; 2]| {
-            let (a, b) = (c * f64::from(from), c * f64::from(to - 1));
-            (a.min(b), a.max(b))
-        };
-        let ((least_x, most_x), (least_y, most_y)) = (ends(u, [x0, x1]), ends(v, [y0, y1]));
-        if least_x + least_y + w >= 0.0 {
+        let [least, most] = region.values(line);
+        if least >= 0.0 {
             return (Some(region), None);
         }
-        if most_x + most_y + w < 0.0 {
+        if most < 0.0 {
             return (None, Some(region));
         }
         let (slope, start) = (-v / u, -w / u);
@@ -159,14 +165,10 @@ impl Arena {
     ) {
         let Line([u, v, w]) = line;
         let off = pixels * (u * u + v * v).sqrt();
-        let ([x0, x1], [y0, y1]) = (region.columns, region.rows);
-        let ends = |c: f64, [from, to]: [i32; 2]| {
-            let (a, b) = (c * f64::from(from), c * f64::from(to - 1));
-            (a.min(b), a.max(b))
-        };
-        let ((least_x, most_x), (least_y, most_y)) = (ends(u, [x0, x1]), ends(v, [y0, y1]));
+        let [y0, y1] = region.rows;
+        let [least, most] = region.values(line);
         // A line that is none is nowhere.
-        if !(off > 0.0 && least_x + least_y + w <= off && most_x + most_y + w >= -off) {
+        if !(off > 0.0 && least <= off && most >= -off) {
             return;
         }
         let (slope, starts) = (-v / u, [(off - w) / u, (-off - w) / u]);

@@ -2,6 +2,7 @@
 
 use enfilade_importers::Role;
 
+use super::fringe::around;
 use super::{Surface, shade};
 use crate::render::Pinhole;
 use crate::scene::Scene;
@@ -115,14 +116,6 @@ impl Told {
 }
 
 impl Told {
-    /// The pixels beside one of a picture so many pixels wide.
-    fn around(&self, width: usize, index: usize) -> impl Iterator<Item = usize> + Clone + use<> {
-        let left = (!index.is_multiple_of(width)).then(|| index - 1);
-        let right = (!(index + 1).is_multiple_of(width)).then(|| index + 1);
-        let below = Some(index + width).filter(|&below| below < self.surfaces.len());
-        [left, right, index.checked_sub(width), below].into_iter().flatten()
-    }
-
     /// The pixels of a picture so many pixels wide that show what no pixel beside does, or border on what does where either is of a wall, floor or ceiling.
     fn borders(&self, scene: &Scene, width: usize) -> Vec<usize> {
         let is_face = |surface: u32| match Surface::of(surface) {
@@ -140,7 +133,7 @@ impl Told {
             if own == shade::UNSURE {
                 return false;
             }
-            let mut others = self.around(width, index).map(|beside| self.surfaces[beside]);
+            let mut others = around(width, self.surfaces.len(), index).map(|beside| self.surfaces[beside]);
             // By itself it may be through a corner, of what no pixel beside shows.
             let is_alone = others.clone().all(|other| other != own);
             is_alone || others.any(|other| other != own && (is_face(own) || is_face(other)))
@@ -188,7 +181,10 @@ impl Told {
                     let is_right = is_same(&told, hit) && (is_one || shown.is_met(ray, told.t));
                     if !is_right {
                         wrong.push(index);
-                        next.extend(self.around(width as usize, index).filter(|&beside| !is_asked[beside]));
+                        next.extend(
+                            around(width as usize, self.surfaces.len(), index)
+                                .filter(|&beside| !is_asked[beside]),
+                        );
                     }
                 }
             }

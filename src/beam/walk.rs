@@ -205,9 +205,8 @@ impl<'a, P: Paint> Walker<'a, P> {
         self.split_off(region, other.beyond_at(exit), |fringe| fringe.between(other, exit))
     }
 
-    /// Where rays pass a corner on the left, and on the right.
-    fn split_past(&mut self, region: Region, corner: DVec2) -> (Option<Region>, Option<Region>) {
-        let (way, line) = self.past(corner);
+    /// Where rays pass a corner on the left, and on the right: the way to it, and the line through it.
+    fn split_past(&mut self, region: Region, (way, line): (DVec2, Line)) -> (Option<Region>, Option<Region>) {
         self.split_off(region, line, |fringe| fringe.past(way.length()))
     }
 
@@ -356,30 +355,30 @@ impl<'a, P: Paint> Walker<'a, P> {
     /// each other.
     fn all_around(&mut self, inside: &In<'_>) {
         let count = inside.sides.len();
-        let (zero, _) = self.past(corner(&inside.sides[0]));
-        let (left, right) = self.split_past(inside.task.region, corner(&inside.sides[0]));
+        let past = self.past(corner(&inside.sides[0]));
+        let (zero, (left, right)) = (past.0, self.split_past(inside.task.region, past));
         let mut rest = left;
         for side in 0..count {
             let Some(region) = rest else { break };
             let next = if side + 1 < count { side + 1 } else { 0 };
-            let (way, _) = self.past(corner(&inside.sides[next]));
-            if next == 0 || zero.perp_dot(way) <= 0.0 {
+            let past = self.past(corner(&inside.sides[next]));
+            if next == 0 || zero.perp_dot(past.0) <= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (beyond, before) = self.split_past(region, corner(&inside.sides[next]));
+            let (beyond, before) = self.split_past(region, past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
         let mut rest = right;
         for side in (0..count).rev() {
             let Some(region) = rest else { break };
-            let (way, _) = self.past(corner(&inside.sides[side]));
-            if side == 0 || zero.perp_dot(way) >= 0.0 {
+            let past = self.past(corner(&inside.sides[side]));
+            if side == 0 || zero.perp_dot(past.0) >= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (before, beyond) = self.split_past(region, corner(&inside.sides[side]));
+            let (before, beyond) = self.split_past(region, past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
@@ -400,7 +399,8 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.column(inside, side % count, region);
                 return;
             }
-            let (beyond, before) = self.split_past(region, corner(&inside.sides[next]));
+            let past = self.past(corner(&inside.sides[next]));
+            let (beyond, before) = self.split_past(region, past);
             before.into_iter().for_each(|before| self.column(inside, side % count, before));
             let Some(beyond) = beyond else { return };
             region = beyond;
