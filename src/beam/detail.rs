@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::backs::Hidden;
 use super::facets::Facets;
 use super::joined::{Joined, MOST_CORNERS, Once, Polygon};
-use super::kernels::{Bound, Deep, Kernels};
+use super::kernels::{Bound, Deep, Kernels, up};
 use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
 use super::screen::{Plane, Screen};
@@ -24,6 +24,9 @@ const OUTSIDE: f64 = 1e-6;
 
 /// What rounding may do to where a corner is in the picture, pixels.
 const ROUNDED: f64 = 1e-6;
+
+/// Planes nearer than this to the eye, metres, are so far away.
+const NEAREST: f64 = 1e-9;
 
 /// A corner nearer than this in front of the eye, in units of the ray, has no place in the picture.
 const FRONT: f64 = 1e-6;
@@ -81,6 +84,9 @@ pub(super) trait Pen {
     fn joined(&self) -> Option<&Joined>;
 
     fn draw(&mut self, drawn: &Drawn);
+
+    /// Notes where a polygon of so many corners may end a little sooner, or later.
+    fn cut(&mut self, drawn: &Drawn, corners: usize);
 }
 
 /// Nodes and leaves that wait, each with where in the picture it is: the nearest come first, but for a hundredth of how far they are. A heap, that
@@ -166,6 +172,29 @@ pub(crate) struct Drawn {
     /// Whether it is known that one doesn't see through it.
     pub(super) is_opaque: bool,
     pub(super) deep: Deep,
+    /// Where it may have come to an end a little before, or may do so a little later.
+    pub(super) cuts: Vec<Cut>,
+}
+
+/// Where a polygon is that comes to an end within what a plane of a cell is off.
+pub(super) struct Cut {
+    /// The rows that this may reach.
+    pub(super) rows: [i32; 2],
+    /// Beyond the one and before the other it is not so.
+    pub(super) bounds: [Bound; 2],
+}
+
+/// The planes through which rays leave a cell.
+#[derive(Clone, Copy)]
+pub(crate) struct Exits<'e> {
+    pub(crate) planes: &'e [Plane],
+    /// How far they are off what the cell was cut around, metres.
+    pub(crate) off: f64,
+}
+
+impl Exits<'_> {
+    /// None.
+    pub(crate) const NONE: Exits<'static> = Exits { planes: &[], off: 0.0 };
 }
 
 impl Drawn {
@@ -180,6 +209,7 @@ impl Drawn {
             color: None,
             is_opaque: false,
             deep,
+            cuts: Vec::new(),
         }
     }
 }
@@ -214,7 +244,7 @@ impl<'a> Detail<'a> {
     }
 
     /// Gives `pen` all triangles below `root` that may show in a region, as far as they are within the planes through which the region's rays leave.
-    pub(super) fn draw(&mut self, region: &Region, root: u32, exits: &[Plane], pen: &mut impl Pen) {
+    pub(super) fn draw(&mut self, region: &Region, root: u32, exits: Exits<'_>, pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.once.begin(self.tables.triangles.len());
         self.stack.clear();
@@ -312,7 +342,7 @@ impl<'a> Detail<'a> {
                     continue;
                 }
                 if place.is_anywhere() || !pen.hides(&place) {
-                    self.draw_once((triangle, of_lane(backs, lane)), region, &[], &mut drawn, pen);
+                    self.draw_once((triangle, of_lane(backs, lane)), region, Exits::NONE, &mut drawn, pen);
                 }
             }
         }
@@ -346,7 +376,7 @@ impl<'a> Detail<'a> {
                 drawn.is_opaque = !facet.is_glass();
                 let backs = if is_within_any { self.hidden.of(facet.triangle) } else { facet.backs() };
                 let of = (facet.triangle, backs);
-                self.polygon(of, (&world[..count], Some(facet.normal())), region, &[], &mut drawn, pen);
+                self.polygon(of, (&world[..count], Some(facet.normal())), region, Exits::NONE, &mut drawn, pen);
                 continue;
             }
             let node = facets.node(link);
@@ -378,7 +408,7 @@ impl<'a> Detail<'a> {
     }
 
     /// The same of what lies around the prisms.
-    pub(super) fn draw_outer(&mut self, region: &Region, outer: &Outer, exits: &[Plane], pen: &mut impl Pen) {
+    pub(super) fn draw_outer(&mut self, region: &Region, outer: &Outer, exits: Exits<'_>, pen: &mut impl Pen) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.once.begin(self.tables.triangles.len());
         let (eye, slack) = (self.eye, self.sight.slack);
@@ -400,7 +430,7 @@ impl<'a> Detail<'a> {
         let mut drawn = Drawn::new();
         self.once.begin(self.tables.triangles.len());
         for &triangle in triangles {
-            self.draw_once((triangle, self.hidden.of(triangle)), region, &[], &mut drawn, pen);
+            self.draw_once((triangle, self.hidden.of(triangle)), region, Exits::NONE, &mut drawn, pen);
         }
     }
 
@@ -426,7 +456,7 @@ impl<'a> Detail<'a> {
         &mut self,
         of: (u32, [bool; 2]),
         region: &Region,
-        exits: &[Plane],
+        exits: Exits<'_>,
         drawn: &mut Drawn,
         pen: &mut impl Pen,
     ) {
@@ -458,7 +488,7 @@ impl<'a> Detail<'a> {
         (triangle, [left, right]): (u32, [bool; 2]),
         (world, normal): (&[DVec3], Option<DVec3>),
         region: &Region,
-        exits: &[Plane],
+        exits: Exits<'_>,
         drawn: &mut Drawn,
         pen: &mut impl Pen,
     ) {
@@ -514,14 +544,36 @@ impl<'a> Detail<'a> {
         for &side in &sides[..seen.len()] {
             bounds.push(Bound::new(side * sign, &mut rows));
         }
-        for exit in exits.iter().filter(|exit| exit.is_exit()) {
+        let (within, off) = (rows, exits.off);
+        drawn.cuts.clear();
+        for exit in exits.planes.iter().filter(|exit| exit.is_exit()) {
             let grows = DVec3::from(exit.grows);
-            let limit = OUTSIDE * exit.size;
-            if seen.iter().any(|&v| exit.away + grows.dot(v) > limit) {
+            // How far outside the corners are.
+            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut outside = [0.0; MOST_CORNERS];
+            for (outside, &v) in outside.iter_mut().zip(seen) {
+                *outside = exit.away + grows.dot(v);
+                (least, most) = (least.min(*outside), most.max(*outside));
+            }
+            if most > OUTSIDE * exit.size {
                 bounds.push(Bound::new(near + grows / exit.away, &mut rows));
             }
+            let off_by = off * exit.size;
+            if off > 0.0 && most > -off_by && least < -off_by {
+                // Were the plane so much farther out, and in.
+                let mut rows = within;
+                if is_before {
+                    rows = rows_of_cut(seen, &outside, off_by, rows);
+                }
+                let moved = |by: f64| near + grows / (exit.away - by * exit.size).min(-NEAREST * exit.size);
+                let bounds = [Bound::new(moved(off), &mut rows), Bound::new(-moved(-off), &mut rows)];
+                if rows[0] < rows[1] {
+                    drawn.cuts.push(Cut { rows, bounds });
+                }
+            }
         }
-        if rows[0] >= rows[1] {
+        let is_cut = !drawn.cuts.is_empty();
+        if rows[0] >= rows[1] && !is_cut {
             return;
         }
         drawn.triangle = triangle;
@@ -536,21 +588,42 @@ impl<'a> Detail<'a> {
         });
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
-        pen.draw(drawn);
+        if is_cut {
+            pen.cut(drawn, world.len());
+        }
+        if rows[0] < rows[1] {
+            pen.draw(drawn);
+        }
     }
+}
+
+/// Those of some rows where that part of a polygon is whose points are no farther outside of a plane, or within it, than this: of its corners in front of the eye, and of
+/// how far outside they are.
+fn rows_of_cut(corners: &[DVec3], outside: &[f64], off: f64, rows: [i32; 2]) -> [i32; 2] {
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut add = |v: DVec3| {
+        let row = v.y / v.z;
+        (least, most) = (least.min(row), most.max(row));
+    };
+    for (i, &a) in corners.iter().enumerate() {
+        let next = if i + 1 < corners.len() { i + 1 } else { 0 };
+        let (b, [from, to]) = (corners[next], [outside[i], outside[next]]);
+        if from.abs() <= off {
+            add(a);
+        }
+        for at in [-off, off] {
+            if (from < at) != (to < at) {
+                add(a + (b - a) * ((at - from) / (to - from)));
+            }
+        }
+    }
+    [rows[0].max(up(least - ROUNDED)), rows[1].min(up(most + ROUNDED))]
 }
 
 /// Which of those of a block are told of a lane.
 #[inline(always)]
 fn of_lane([left, right]: [u32; 2], lane: usize) -> [bool; 2] {
     [left >> lane & 1 != 0, right >> lane & 1 != 0]
-}
-
-/// Rounded up; what cannot be told is held within what numbers there are.
-#[inline(always)]
-fn up(x: f64) -> i32 {
-    let down = x as i32;
-    down.saturating_add(i32::from(f64::from(down) < x))
 }
 
 /// The borders of those rows of a region that `rows` holds, and more.

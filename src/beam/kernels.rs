@@ -240,6 +240,13 @@ pub(super) fn split<W: Wide>(
     [least.least(), most.most()]
 }
 
+/// Rounded up; what cannot be told is held within what numbers there are.
+#[inline(always)]
+pub(super) fn up(x: f64) -> i32 {
+    let down = x as i32;
+    down.saturating_add(i32::from(f64::from(down) < x))
+}
+
 /// A line of the picture as a border of rows: the first column that is not left of it is `start + slope * row`, rounded up.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
@@ -267,6 +274,13 @@ impl Bound {
             rows[1] = row as i32;
         }
         Bound::NONE
+    }
+
+    /// Those of some columns of a row that are on the positive side.
+    #[inline(always)]
+    pub(super) fn within(&self, [from, to]: [i32; 2], row: i32) -> [i32; 2] {
+        let column = up(self.start + self.slope * f64::from(row));
+        if self.is_left { [from, to.min(column)] } else { [from.max(column), to] }
     }
 }
 

@@ -1,14 +1,14 @@
 //! From regions to pixels: Lambert's cosine with a lamp at the eye, as eight-bit RGBA; or what each pixel shows, by number.
 
 use super::cover::Cover;
-use super::detail::{Detail, Drawn, Pen, borders_of};
+use super::detail::{Cut, Detail, Drawn, Exits, Pen, borders_of};
 use super::facets::Facets;
 use super::fringe::Edges;
 use super::glass::{Layer, Layers, Pane};
 use super::joined::Joined;
 use super::kernels::{Flat, Kernels, Tint, is_taken};
 use super::rows::{Arena, Region};
-use super::screen::{Plane, Screen};
+use super::screen::Screen;
 use super::sight::Place;
 use super::walk::{AROUND, Paint, Seen, Triangles};
 use crate::format::Views;
@@ -163,7 +163,7 @@ impl<'a, 'd> Canvas<'a, 'd> {
         region: &'c Region,
         cell: u32,
     ) -> (&'c mut Detail<'d>, Pencil<'c, 'a>) {
-        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, joined, .. } =
+        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, joined, edges, .. } =
             self;
         let screen = detail.screen;
         // Where triangles are told, each is drawn; also with what is seen through: that counts once in all cells by its triangle, and a polygon's first triangle is
@@ -186,6 +186,7 @@ impl<'a, 'd> Canvas<'a, 'd> {
                 region,
                 cell,
                 triangles,
+                edges,
             },
         )
     }
@@ -217,7 +218,7 @@ impl<'a, 'd> Canvas<'a, 'd> {
 }
 
 impl Paint for Canvas<'_, '_> {
-    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]) {
+    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: Exits<'_>) {
         let (cell, triangles) = of;
         let kernels = self.kernels;
         let facets = self.facets;
@@ -265,7 +266,7 @@ impl Paint for Canvas<'_, '_> {
                 let (detail, mut pencil) = self.pencil(arena, region, *cell);
                 match root {
                     NONE => detail.draw_listed(region, &tables.surfaces[listed], &mut pencil),
-                    root => detail.draw(region, root, &[], &mut pencil),
+                    root => detail.draw(region, root, Exits::NONE, &mut pencil),
                 }
                 self.doubt(arena, region);
             }
@@ -292,6 +293,7 @@ struct Pencil<'c, 'a> {
     region: &'c Region,
     cell: u32,
     triangles: &'c mut u64,
+    edges: &'c mut Edges,
 }
 
 impl Pen for Pencil<'_, '_> {
@@ -323,6 +325,23 @@ impl Pen for Pencil<'_, '_> {
             }
             Show::Surfaces => kernels.draw(borders, self.cover, rows, deep, &Flat(drawn.triangle)),
             Show::Cells => kernels.draw(borders, self.cover, rows, deep, &Flat(self.cell)),
+        }
+    }
+
+    fn cut(&mut self, drawn: &Drawn, corners: usize) {
+        let sides = &drawn.deep.bounds[..corners];
+        for Cut { rows, bounds } in &drawn.cuts {
+            let borders = self.arena.borders(&self.region.within(*rows));
+            for (row, (&lo, &hi)) in (rows[0]..rows[1]).zip(borders[0].iter().zip(borders[1])) {
+                let narrow = bounds.iter().fold([lo, hi], |part, bound| bound.within(part, row));
+                // Hardly ever there is any pixel.
+                if narrow[0] < narrow[1] {
+                    let [from, to] = sides.iter().fold(narrow, |part, side| side.within(part, row));
+                    if from < to {
+                        self.edges.push([row, from, to]);
+                    }
+                }
+            }
         }
     }
 }

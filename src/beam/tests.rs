@@ -3,10 +3,11 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
+use super::detail::Exits;
 use super::fringe::Fringes;
 use super::kernels::Kernels;
 use super::rows::{Arena, Line, Region};
-use super::screen::{Plane, Screen};
+use super::screen::Screen;
 use super::shade::Looks;
 use super::walk::{Around, Known, Paint, Seen, Space, Triangles, Walker};
 use super::{Beams, Differences, Surface};
@@ -280,7 +281,7 @@ impl Paint for Count {
         }
     }
 
-    fn detail(&mut self, _: &Arena, _: &Region, _: (u32, Triangles<'_>), _: &[Plane]) {}
+    fn detail(&mut self, _: &Arena, _: &Region, _: (u32, Triangles<'_>), _: Exits<'_>) {}
 
     fn edge(&mut self, _: i32, _: [i32; 2]) {}
 

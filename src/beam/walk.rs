@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::detail::Exits;
 use super::fringe::{Fringe, Fringes};
 use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;
@@ -53,7 +54,7 @@ pub(crate) trait Paint {
 
     /// Takes what a region shows of the triangles of a cell before its rays leave through one of the planes, of which those count that may be left
     /// through. What is painted after that in the same place is behind.
-    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: &[Plane]);
+    fn detail(&mut self, arena: &Arena, region: &Region, of: (u32, Triangles<'_>), exits: Exits<'_>);
 
     /// Takes pixels of a row, from one column up to another, of which rays are to tell what they show behind the detail so far, if any: a line passes them nearer than
     /// cells are rounded. They may come several times, and are painted besides.
@@ -232,6 +233,7 @@ impl<'a, P: Paint> Walker<'a, P> {
             Around::Outer(outer) | Around::Entered(outer, _) => Triangles::Outer(outer),
             Around::All(root) => Triangles::All(root),
         };
+        let before = Exits { planes: before, off: 0.0 };
         self.paint.detail(&self.space.arena, region, (AROUND, triangles), before);
     }
 
@@ -333,7 +335,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 &self.space.arena,
                 &task.region,
                 (task.cell, Triangles::Below(cell.root)),
-                &planes,
+                Exits { planes: &planes, off },
             );
         }
         planes.truncate(sides.len());

@@ -9,6 +9,7 @@ use super::tree::{Node, Tree};
 use super::waiting::Waiting;
 use crate::beam::SKY_COLOR;
 use crate::beam::cover::Cover;
+use crate::beam::detail::Exits;
 use crate::beam::kernels::{Flat, Tint, put};
 use crate::beam::rows::{Arena, Region};
 use crate::beam::shade::{Canvas, SKY, SOURCE};
@@ -345,11 +346,11 @@ impl Band<'_, '_, '_> {
         let top = canvas.cover.top;
         for area in waiting.all() {
             let within = &tree.details[area.detail as usize];
-            let exits = &tree.exits[within.exits.clone()];
+            let exits = Exits { planes: &tree.exits[within.exits.clone()], off: within.off };
             let triangles = match within.root {
                 NONE => Triangles::Outer(shot.outer),
                 // From outside all triangles there are.
-                root if within.cell == AROUND && exits.is_empty() => Triangles::All(root),
+                root if within.cell == AROUND && exits.planes.is_empty() => Triangles::All(root),
                 root => Triangles::Below(root),
             };
             area.draw(|first, parts| {

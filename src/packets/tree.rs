@@ -58,6 +58,8 @@ pub(super) struct Within {
     pub(super) root: u32,
     /// Which of the exits are the planes of the cell.
     pub(super) exits: std::ops::Range<usize>,
+    /// How far these are off, metres.
+    pub(super) off: f64,
 }
 
 /// The place of what cells do not tell.
@@ -118,7 +120,7 @@ impl Tree {
             _ => Some(NONE),
         };
         if let Some(root) = around {
-            self.details.push(Within { cell: beam::AROUND, root, exits: 0..0 });
+            self.details.push(Within { cell: beam::AROUND, root, exits: 0..0, off: 0.0 });
             self.nodes[AROUND as usize] = Node::Detail { detail: 0, next: 2 };
             self.nodes.push(Node::Sky);
         }
@@ -192,7 +194,7 @@ impl Tree {
             root => {
                 let first = self.exits.len();
                 self.exits.extend(planes.iter().chain(&ends));
-                self.details.push(Within { cell: index, root, exits: first..self.exits.len() });
+                self.details.push(Within { cell: index, root, exits: first..self.exits.len(), off: shot.known.fringes.of(shot.tables, index) });
                 self.push(Node::Detail { detail: self.details.len() as u32 - 1, next })
             }
         };
