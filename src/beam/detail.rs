@@ -7,12 +7,13 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::backs::Hidden;
+use super::cut::{Cut, Cutting, Exits, Outside, ROUNDED};
 use super::facets::Facets;
 use super::joined::{Joined, MOST_CORNERS, Once, Polygon};
 use super::kernels::{Bound, Deep, Kernels, up};
 use super::outer::{Group, Outer};
 use super::rows::{Arena, Region};
-use super::screen::{Plane, Screen};
+use super::screen::Screen;
 use super::sight::{Place, Sight, away, reaches, triangles_reach};
 use super::simd;
 use crate::format::Views;
@@ -21,12 +22,6 @@ use crate::trace::NONE;
 
 /// A corner that is this much farther outside of a cell, metres, is outside.
 const OUTSIDE: f64 = 1e-6;
-
-/// What rounding may do to where a corner is in the picture, pixels.
-const ROUNDED: f64 = 1e-6;
-
-/// Planes nearer than this to the eye, metres, are so far away.
-const NEAREST: f64 = 1e-9;
 
 /// A corner nearer than this in front of the eye, in units of the ray, has no place in the picture.
 const FRONT: f64 = 1e-6;
@@ -174,27 +169,6 @@ pub(crate) struct Drawn {
     pub(super) deep: Deep,
     /// Where it may have come to an end a little before, or may do so a little later.
     pub(super) cuts: Vec<Cut>,
-}
-
-/// Where a polygon is that comes to an end within what a plane of a cell is off.
-pub(super) struct Cut {
-    /// The rows that this may reach.
-    pub(super) rows: [i32; 2],
-    /// Beyond the one and before the other it is not so.
-    pub(super) bounds: [Bound; 2],
-}
-
-/// The planes through which rays leave a cell.
-#[derive(Clone, Copy)]
-pub(crate) struct Exits<'e> {
-    pub(crate) planes: &'e [Plane],
-    /// How far they are off what the cell was cut around, metres.
-    pub(crate) off: f64,
-}
-
-impl Exits<'_> {
-    /// None.
-    pub(crate) const NONE: Exits<'static> = Exits { planes: &[], off: 0.0 };
 }
 
 impl Drawn {
@@ -376,7 +350,14 @@ impl<'a> Detail<'a> {
                 drawn.is_opaque = !facet.is_glass();
                 let backs = if is_within_any { self.hidden.of(facet.triangle) } else { facet.backs() };
                 let of = (facet.triangle, backs);
-                self.polygon(of, (&world[..count], Some(facet.normal())), region, Exits::NONE, &mut drawn, pen);
+                self.polygon(
+                    of,
+                    (&world[..count], Some(facet.normal())),
+                    region,
+                    Exits::NONE,
+                    &mut drawn,
+                    pen,
+                );
                 continue;
             }
             let node = facets.node(link);
@@ -408,7 +389,13 @@ impl<'a> Detail<'a> {
     }
 
     /// The same of what lies around the prisms.
-    pub(super) fn draw_outer(&mut self, region: &Region, outer: &Outer, exits: Exits<'_>, pen: &mut impl Pen) {
+    pub(super) fn draw_outer(
+        &mut self,
+        region: &Region,
+        outer: &Outer,
+        exits: Exits<'_>,
+        pen: &mut impl Pen,
+    ) {
         let (frustum, mut drawn) = (self.frustum(region), Drawn::new());
         self.once.begin(self.tables.triangles.len());
         let (eye, slack) = (self.eye, self.sight.slack);
@@ -544,36 +531,16 @@ impl<'a> Detail<'a> {
         for &side in &sides[..seen.len()] {
             bounds.push(Bound::new(side * sign, &mut rows));
         }
-        let (within, off) = (rows, exits.off);
+        let polygon = Cutting { corners: seen, near, is_before, rows };
         drawn.cuts.clear();
         for exit in exits.planes.iter().filter(|exit| exit.is_exit()) {
-            let grows = DVec3::from(exit.grows);
-            // How far outside the corners are.
-            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-            let mut outside = [0.0; MOST_CORNERS];
-            for (outside, &v) in outside.iter_mut().zip(seen) {
-                *outside = exit.away + grows.dot(v);
-                (least, most) = (least.min(*outside), most.max(*outside));
+            let outside = Outside::new(exit, seen);
+            if outside.ends[1] > OUTSIDE * exit.size {
+                bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
-            if most > OUTSIDE * exit.size {
-                bounds.push(Bound::new(near + grows / exit.away, &mut rows));
-            }
-            let off_by = off * exit.size;
-            if off > 0.0 && most > -off_by && least < -off_by {
-                // Were the plane so much farther out, and in.
-                let mut rows = within;
-                if is_before {
-                    rows = rows_of_cut(seen, &outside, off_by, rows);
-                }
-                let moved = |by: f64| near + grows / (exit.away - by * exit.size).min(-NEAREST * exit.size);
-                let bounds = [Bound::new(moved(off), &mut rows), Bound::new(-moved(-off), &mut rows)];
-                if rows[0] < rows[1] {
-                    drawn.cuts.push(Cut { rows, bounds });
-                }
-            }
+            drawn.cuts.extend(polygon.at((exit, exits.off), &outside, &self.camera));
         }
-        let is_cut = !drawn.cuts.is_empty();
-        if rows[0] >= rows[1] && !is_cut {
+        if rows[0] >= rows[1] && drawn.cuts.is_empty() {
             return;
         }
         drawn.triangle = triangle;
@@ -588,36 +555,13 @@ impl<'a> Detail<'a> {
         });
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
-        if is_cut {
+        if !drawn.cuts.is_empty() {
             pen.cut(drawn, world.len());
         }
         if rows[0] < rows[1] {
             pen.draw(drawn);
         }
     }
-}
-
-/// Those of some rows where that part of a polygon is whose points are no farther outside of a plane, or within it, than this: of its corners in front of the eye, and of
-/// how far outside they are.
-fn rows_of_cut(corners: &[DVec3], outside: &[f64], off: f64, rows: [i32; 2]) -> [i32; 2] {
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut add = |v: DVec3| {
-        let row = v.y / v.z;
-        (least, most) = (least.min(row), most.max(row));
-    };
-    for (i, &a) in corners.iter().enumerate() {
-        let next = if i + 1 < corners.len() { i + 1 } else { 0 };
-        let (b, [from, to]) = (corners[next], [outside[i], outside[next]]);
-        if from.abs() <= off {
-            add(a);
-        }
-        for at in [-off, off] {
-            if (from < at) != (to < at) {
-                add(a + (b - a) * ((at - from) / (to - from)));
-            }
-        }
-    }
-    [rows[0].max(up(least - ROUNDED)), rows[1].min(up(most + ROUNDED))]
 }
 
 /// Which of those of a block are told of a lane.

@@ -10,6 +10,7 @@ mod avx512;
 pub(crate) mod backs;
 pub(crate) mod check;
 pub(crate) mod cover;
+pub(crate) mod cut;
 pub(crate) mod detail;
 mod facets;
 pub(crate) mod fringe;

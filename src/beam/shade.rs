@@ -1,7 +1,8 @@
 //! From regions to pixels: Lambert's cosine with a lamp at the eye, as eight-bit RGBA; or what each pixel shows, by number.
 
 use super::cover::Cover;
-use super::detail::{Cut, Detail, Drawn, Exits, Pen, borders_of};
+use super::cut::Exits;
+use super::detail::{Detail, Drawn, Pen, borders_of};
 use super::facets::Facets;
 use super::fringe::Edges;
 use super::glass::{Layer, Layers, Pane};
@@ -163,8 +164,20 @@ impl<'a, 'd> Canvas<'a, 'd> {
         region: &'c Region,
         cell: u32,
     ) -> (&'c mut Detail<'d>, Pencil<'c, 'a>) {
-        let Canvas { tables, kernels, show, cover, looks, square, layers, triangles, detail, joined, edges, .. } =
-            self;
+        let Canvas {
+            tables,
+            kernels,
+            show,
+            cover,
+            looks,
+            square,
+            layers,
+            triangles,
+            detail,
+            joined,
+            edges,
+            ..
+        } = self;
         let screen = detail.screen;
         // Where triangles are told, each is drawn; also with what is seen through: that counts once in all cells by its triangle, and a polygon's first triangle is
         // not the same in each. From outside, by facets, there is one cell.
@@ -330,16 +343,13 @@ impl Pen for Pencil<'_, '_> {
 
     fn cut(&mut self, drawn: &Drawn, corners: usize) {
         let sides = &drawn.deep.bounds[..corners];
-        for Cut { rows, bounds } in &drawn.cuts {
-            let borders = self.arena.borders(&self.region.within(*rows));
-            for (row, (&lo, &hi)) in (rows[0]..rows[1]).zip(borders[0].iter().zip(borders[1])) {
-                let narrow = bounds.iter().fold([lo, hi], |part, bound| bound.within(part, row));
-                // Hardly ever there is any pixel.
-                if narrow[0] < narrow[1] {
-                    let [from, to] = sides.iter().fold(narrow, |part, side| side.within(part, row));
-                    if from < to {
-                        self.edges.push([row, from, to]);
-                    }
+        for cut in &drawn.cuts {
+            let rows = cut.rows();
+            let [lo, hi] = self.arena.borders(&self.region.within(rows));
+            for (row, (&lo, &hi)) in (rows[0]..).zip(lo.iter().zip(hi)) {
+                let [from, to] = cut.part(row, [lo, hi], sides);
+                if from < to {
+                    self.edges.push([row, from, to]);
                 }
             }
         }

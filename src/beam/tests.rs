@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::detail::Exits;
+use super::cut::Exits;
 use super::fringe::Fringes;
 use super::kernels::Kernels;
 use super::rows::{Arena, Line, Region};

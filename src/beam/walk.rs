@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::detail::Exits;
+use super::cut::Exits;
 use super::fringe::{Fringe, Fringes};
 use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;

@@ -9,7 +9,7 @@ use super::tree::{Node, Tree};
 use super::waiting::Waiting;
 use crate::beam::SKY_COLOR;
 use crate::beam::cover::Cover;
-use crate::beam::detail::Exits;
+use crate::beam::cut::Exits;
 use crate::beam::kernels::{Flat, Tint, put};
 use crate::beam::rows::{Arena, Region};
 use crate::beam::shade::{Canvas, SKY, SOURCE};

@@ -194,7 +194,12 @@ impl Tree {
             root => {
                 let first = self.exits.len();
                 self.exits.extend(planes.iter().chain(&ends));
-                self.details.push(Within { cell: index, root, exits: first..self.exits.len(), off: shot.known.fringes.of(shot.tables, index) });
+                self.details.push(Within {
+                    cell: index,
+                    root,
+                    exits: first..self.exits.len(),
+                    off: shot.known.fringes.of(shot.tables, index),
+                });
                 self.push(Node::Detail { detail: self.details.len() as u32 - 1, next })
             }
         };
