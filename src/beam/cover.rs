@@ -145,6 +145,25 @@ impl Cover<'_> {
         shown >> (column as usize % WIDE) & 1 != 0
     }
 
+    /// Whether the detail that is seen in a pixel is as near as this, which is `1 / t`, or nearer, but for what f32 rounds.
+    pub(super) fn is_as_near(&self, row: i32, column: i32, near: f64) -> bool {
+        /// What f32 may round.
+        const ROUNDED: f64 = 1e-6;
+        if !self.is_taken(row, column) {
+            return false;
+        }
+        let [row, column] = [row - self.top, column].map(|at| at as usize);
+        let at = row / ROWS * Cover::blocks(self.width) + column / WIDE;
+        let [row, column] = [row % ROWS, column % WIDE];
+        let shown = if self.tiles[at].is_plane {
+            let [across, down, first] = self.planes[at];
+            across * column as f64 + down * row as f64 + first
+        } else {
+            f64::from(self.near[at].0[row][column])
+        };
+        shown >= near * (1.0 - ROUNDED)
+    }
+
     /// All pixels of a tile that was free become one plane, of which this is the least `1 / t` in it.
     #[inline(always)]
     pub(super) fn lay(&mut self, tile: usize, plane: [f64; 3], farthest: f64) {

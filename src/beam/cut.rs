@@ -2,7 +2,6 @@
 
 use glam::{DMat3, DVec3};
 
-use super::joined::MOST_CORNERS;
 use super::kernels::{Bound, up};
 use super::screen::Plane;
 
@@ -13,7 +12,7 @@ pub(super) const ROUNDED: f64 = 1e-6;
 #[derive(Clone, Copy)]
 pub(crate) struct Exits<'e> {
     pub(crate) planes: &'e [Plane],
-    /// How far they are off what the cell was cut around, metres.
+    /// How far the cell's edges are off what it was cut around, metres, as [`Fringes::of`](super::fringe::Fringes::of): no plane is off by more.
     pub(crate) off: f64,
 }
 
@@ -22,29 +21,22 @@ impl Exits<'_> {
     pub(crate) const NONE: Exits<'static> = Exits { planes: &[], off: 0.0 };
 }
 
-/// How far outside of a plane the corners of a polygon are, in units of the plane's normal.
-pub(super) struct Outside {
-    of: [f64; MOST_CORNERS],
-    /// The least of them, and the greatest.
-    pub(super) ends: [f64; 2],
+/// How far outside of a plane the nearest and the farthest of some corners are, in the camera's coordinates: metres times the length of the plane's normal.
+#[inline(always)]
+pub(super) fn outside(plane: &Plane, corners: &[DVec3]) -> [f64; 2] {
+    let each = corners.iter().map(|&corner| beyond(plane, corner));
+    each.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], of| [least.min(of), most.max(of)])
 }
 
-impl Outside {
-    /// Of corners in the camera's coordinates.
-    #[inline(always)]
-    pub(super) fn new(plane: &Plane, corners: &[DVec3]) -> Outside {
-        let (mut of, mut ends) = ([0.0; MOST_CORNERS], [f64::INFINITY, f64::NEG_INFINITY]);
-        for (of, &corner) in of.iter_mut().zip(corners) {
-            *of = plane.away + DVec3::from(plane.grows).dot(corner);
-            ends = [ends[0].min(*of), ends[1].max(*of)];
-        }
-        Outside { of, ends }
-    }
+#[inline(always)]
+fn beyond(plane: &Plane, corner: DVec3) -> f64 {
+    plane.away + DVec3::from(plane.grows).dot(corner)
 }
 
 /// Where in a picture a polygon is no farther from a plane than that is off.
 pub(super) struct Cut {
-    rows: [i32; 2],
+    /// The rows that it may reach.
+    pub(super) rows: [i32; 2],
     /// Were the plane so much farther out, the polygon would not end before; and farther in, it would.
     bounds: [Bound; 2],
 }
@@ -58,22 +50,23 @@ pub(super) struct Cutting<'c> {
     pub(super) is_before: bool,
     /// The rows that it may reach.
     pub(super) rows: [i32; 2],
+    /// Turns what is along the world's axes to these coordinates.
+    pub(super) camera: &'c DMat3,
 }
 
 impl Cutting<'_> {
-    /// Where it comes to an end, sooner or later, at a plane that is off by so much, metres: if it is there, and does not lie in the plane itself. To
-    /// the camera's coordinates it is turned by `camera`.
-    pub(super) fn at(&self, (exit, off): (&Plane, f64), outside: &Outside, camera: &DMat3) -> Option<Cut> {
-        let [least, most] = outside.ends;
+    /// Where it comes to an end, sooner or later, at a plane that is off by so much, metres, and of which its corners are as far outside as [`outside`] says.
+    pub(super) fn at(&self, exit: &Plane, off: f64, [least, most]: [f64; 2]) -> Option<Cut> {
         let reach = off * exit.size;
-        if off <= 0.0 || most <= -reach || least >= reach {
+        if most <= -reach || least >= reach {
             return None;
         }
         let grows = DVec3::from(exit.grows);
-        if least >= -reach && is_along([self.near, grows].map(|grows| camera.transpose() * grows)) {
+        // What hardly leans to the plane, and does not come to it from farther within, is on a wall that is in this plane: it ends where that does.
+        if least >= -reach && is_along([self.near, grows].map(|grows| self.camera.transpose() * grows)) {
             return None;
         }
-        let mut rows = if self.is_before { self.rows_within(outside, reach) } else { self.rows };
+        let mut rows = if self.is_before { self.rows_within(exit, reach) } else { self.rows };
         if rows[0] >= rows[1] {
             return None;
         }
@@ -83,16 +76,16 @@ impl Cutting<'_> {
         (rows[0] < rows[1]).then_some(Cut { rows, bounds })
     }
 
-    /// Those of its rows where the part of it is that is no farther outside of a plane, or within it, than this: what is before the eye.
-    fn rows_within(&self, outside: &Outside, reach: f64) -> [i32; 2] {
+    /// The rows that hold those points of it that are no farther from a plane than this; all of its corners are before the eye.
+    fn rows_within(&self, exit: &Plane, reach: f64) -> [i32; 2] {
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut add = |corner: DVec3| {
             let row = corner.y / corner.z;
             (least, most) = (least.min(row), most.max(row));
         };
         for (i, &a) in self.corners.iter().enumerate() {
-            let next = if i + 1 < self.corners.len() { i + 1 } else { 0 };
-            let (b, [from, to]) = (self.corners[next], [outside.of[i], outside.of[next]]);
+            let b = self.corners[if i + 1 < self.corners.len() { i + 1 } else { 0 }];
+            let [from, to] = [a, b].map(|corner| beyond(exit, corner));
             if from.abs() <= reach {
                 add(a);
             }
@@ -115,19 +108,15 @@ fn is_along(normals: [DVec3; 2]) -> bool {
 }
 
 impl Cut {
-    /// The rows that it may reach.
-    pub(super) fn rows(&self) -> [i32; 2] {
-        self.rows
-    }
-
-    /// From which column of a row up to which it is, of those from one up to another: within a polygon's sides, too.
-    pub(super) fn part(&self, row: i32, columns: [i32; 2], sides: &[Bound]) -> [i32; 2] {
+    /// From which column of a row up to which it is, of those from one up to another: within the polygon's sides, and within the planes of all cuts of it.
+    pub(super) fn part(&self, row: i32, columns: [i32; 2], (sides, all): (&[Bound], &[Cut])) -> [i32; 2] {
         let columns = self.bounds.iter().fold(columns, |part, bound| bound.within(part, row));
         // Hardly ever there is any pixel.
         if columns[0] >= columns[1] {
             return columns;
         }
-        sides.iter().fold(columns, |part, side| side.within(part, row))
+        let all = all.iter().map(|cut| &cut.bounds[0]);
+        sides.iter().chain(all).fold(columns, |part, side| side.within(part, row))
     }
 }
 
@@ -158,15 +147,16 @@ mod tests {
             let (near, mut rows) = (all / size, [0, SIZE]);
             let sides = sides.map(|side| side * size.signum());
             let bounds = sides.map(|side| Bound::new(side, &mut rows));
-            let outside = Outside::new(&plane, &corners);
-            let polygon = Cutting { corners: &corners, near, is_before: true, rows };
-            let cut = polygon.at((&plane, off), &outside, &DMat3::IDENTITY);
-            let lies_along = is_along([near, DVec3::from(normal)]) && outside.ends[0] >= -off * plane.size;
+            let ends = outside(&plane, &corners);
+            let camera = &DMat3::IDENTITY;
+            let polygon = Cutting { corners: &corners, near, is_before: true, rows, camera };
+            let cut = polygon.at(&plane, off, ends);
+            let lies_along = is_along([near, DVec3::from(normal)]) && ends[0] >= -off * plane.size;
             prop_assume!(!lies_along);
             for row in 0..SIZE {
                 let is_of_rows = |cut: &&Cut| (cut.rows[0]..cut.rows[1]).contains(&row);
                 let [from, to] =
-                    cut.as_ref().filter(is_of_rows).map_or([0, 0], |cut| cut.part(row, [0, SIZE], &bounds));
+                    cut.as_ref().filter(is_of_rows).map_or([0, 0], |cut| cut.part(row, [0, SIZE], (&bounds, &[])));
                 for column in 0..SIZE {
                     let ray = DVec3::new(f64::from(column), f64::from(row), 1.0);
                     let t = 1.0 / near.dot(ray);

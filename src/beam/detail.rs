@@ -7,7 +7,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::backs::Hidden;
-use super::cut::{Cut, Cutting, Exits, Outside, ROUNDED};
+use super::cut::{Cut, Cutting, Exits, ROUNDED, outside};
 use super::facets::Facets;
 use super::joined::{Joined, MOST_CORNERS, Once, Polygon};
 use super::kernels::{Bound, Deep, Kernels, up};
@@ -80,8 +80,8 @@ pub(super) trait Pen {
 
     fn draw(&mut self, drawn: &Drawn);
 
-    /// Notes where a polygon of so many corners may end a little sooner, or later.
-    fn cut(&mut self, drawn: &Drawn, corners: usize);
+    /// Notes where a polygon, which is about to be drawn, may end a little sooner, or later.
+    fn cut(&mut self, drawn: &Drawn);
 }
 
 /// Nodes and leaves that wait, each with where in the picture it is: the nearest come first, but for a hundredth of how far they are. A heap, that
@@ -531,14 +531,21 @@ impl<'a> Detail<'a> {
         for &side in &sides[..seen.len()] {
             bounds.push(Bound::new(side * sign, &mut rows));
         }
-        let polygon = Cutting { corners: seen, near, is_before, rows };
+        let polygon = Cutting { corners: seen, near, is_before, rows, camera: &self.camera };
+        let mut is_within = true;
         drawn.cuts.clear();
         for exit in exits.planes.iter().filter(|exit| exit.is_exit()) {
-            let outside = Outside::new(exit, seen);
-            if outside.ends[1] > OUTSIDE * exit.size {
+            let [least, most] = outside(exit, seen);
+            if most > OUTSIDE * exit.size {
                 bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
-            drawn.cuts.extend(polygon.at((exit, exits.off), &outside, &self.camera));
+            if exits.off > 0.0 {
+                is_within &= least < exits.off * exit.size;
+                drawn.cuts.extend(polygon.at(exit, exits.off, [least, most]));
+            }
+        }
+        if !is_within {
+            drawn.cuts.clear();
         }
         if rows[0] >= rows[1] && drawn.cuts.is_empty() {
             return;
@@ -556,7 +563,7 @@ impl<'a> Detail<'a> {
         drawn.deep.near = near.to_array();
         drawn.deep.nearest = nearest;
         if !drawn.cuts.is_empty() {
-            pen.cut(drawn, world.len());
+            pen.cut(drawn);
         }
         if rows[0] < rows[1] {
             pen.draw(drawn);

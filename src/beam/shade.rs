@@ -341,15 +341,19 @@ impl Pen for Pencil<'_, '_> {
         }
     }
 
-    fn cut(&mut self, drawn: &Drawn, corners: usize) {
-        let sides = &drawn.deep.bounds[..corners];
+    fn cut(&mut self, drawn: &Drawn) {
+        let of = (&drawn.deep.bounds[..drawn.count + 2], drawn.cuts.as_slice());
+        let [across, down, first] = drawn.deep.near;
         for cut in &drawn.cuts {
-            let rows = cut.rows();
-            let [lo, hi] = self.arena.borders(&self.region.within(rows));
-            for (row, (&lo, &hi)) in (rows[0]..).zip(lo.iter().zip(hi)) {
-                let [from, to] = cut.part(row, [lo, hi], sides);
+            let [lo, hi] = self.arena.borders(&self.region.within(cut.rows));
+            for (row, (&lo, &hi)) in (cut.rows[0]..).zip(lo.iter().zip(hi)) {
+                let [from, to] = cut.part(row, [lo, hi], of);
                 if from < to {
-                    self.edges.push([row, from, to]);
+                    let start = down * f64::from(row) + first;
+                    // Behind what was drawn before nothing is asked: whole regions that are hidden are not come to.
+                    let is_behind =
+                        |column| self.cover.is_as_near(row, column, across * f64::from(column) + start);
+                    self.edges.add(row, [from, to], is_behind);
                 }
             }
         }
