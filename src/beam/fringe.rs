@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec2, DVec3};
 
+use super::rows::free_parts;
 use super::screen::{Plane, Screen};
 use super::shade::{Show, UNSURE};
 use super::walk::corner;
@@ -193,15 +194,8 @@ pub(crate) struct Edges {
 
 impl Edges {
     /// Adds those from one column of a row up to another that are not taken.
-    pub(crate) fn add(&mut self, row: i32, [from, to]: [i32; 2], is_taken: impl Fn(i32) -> bool) {
-        let mut free = from;
-        for column in from..to {
-            if is_taken(column) {
-                self.push([row, free, column]);
-                free = column + 1;
-            }
-        }
-        self.push([row, free, to]);
+    pub(crate) fn add(&mut self, row: i32, columns: [i32; 2], is_taken: impl Fn(i32) -> bool) {
+        free_parts(row, columns, is_taken, |part| self.push(part));
     }
 
     /// Adds those from one column of a row up to another.

@@ -152,9 +152,7 @@ impl Arena {
         });
         if u > 0.0 { (right, left) } else { (left, right) }
     }
-}
 
-impl Arena {
     /// Gives `take` the pixels of a region that are no farther than so many pixels from a line: the row, and from which column up to which.
     pub(super) fn near(
         &mut self,
@@ -196,6 +194,27 @@ impl Arena {
             }
         }
         self.forget(top);
+    }
+}
+
+/// Gives `add` those parts of a row, from one column up to another, that are not taken: the row, and from where up to where.
+pub(super) fn free_parts(
+    row: i32,
+    [from, to]: [i32; 2],
+    is_taken: impl Fn(i32) -> bool,
+    mut add: impl FnMut([i32; 3]),
+) {
+    let mut free = from;
+    for column in from..to {
+        if is_taken(column) {
+            if free < column {
+                add([row, free, column]);
+            }
+            free = column + 1;
+        }
+    }
+    if free < to {
+        add([row, free, to]);
     }
 }
 

@@ -8,7 +8,7 @@ use super::fringe::Edges;
 use super::glass::{Layer, Layers, Pane};
 use super::joined::Joined;
 use super::kernels::{Flat, Kernels, Tint, is_taken};
-use super::rows::{Arena, Region};
+use super::rows::{Arena, Region, free_parts};
 use super::screen::Screen;
 use super::sight::Place;
 use super::walk::{AROUND, Paint, Seen, Triangles};
@@ -214,18 +214,12 @@ impl<'a, 'd> Canvas<'a, 'd> {
         self.fill(arena, region, &Flat(UNSURE));
         let [lo, hi] = arena.borders(region);
         for (row, (&lo, &hi)) in (region.rows[0]..).zip(lo.iter().zip(hi)) {
-            let mut free = lo;
-            for column in lo..hi {
-                if self.cover.is_taken(row, column) {
-                    if free < column {
-                        self.unsure.push([row, free, column]);
-                    }
-                    free = column + 1;
-                }
-            }
-            if free < hi {
-                self.unsure.push([row, free, hi]);
-            }
+            free_parts(
+                row,
+                [lo, hi],
+                |column| self.cover.is_taken(row, column),
+                |part| self.unsure.push(part),
+            );
         }
     }
 }
