@@ -716,3 +716,8 @@ fn a_ray_from_a_doorways_corner_went_up_through_its_lintel() {
 fn a_ray_that_goes_on_met_what_ends_behind_it() {
     seeded(423, "house-damaged", Family::AlongEdges, 4784);
 }
+
+#[test]
+fn a_ray_from_one_part_of_a_wall_met_its_plane_again_where_another_part_laps_over_it() {
+    seeded(439, "house-damaged", Family::Vertices, 3960);
+}

@@ -375,7 +375,10 @@ impl<'s> Query<'s> {
         } else {
             walk.looks_against(surface.triangle, normal)
         };
-        let is_own = volume != NONE && volume == walk.volume_of(surface.triangle);
+        // The other parts of an element may go on in the same plane, over its own.
+        let is_one_face =
+            || walk.are_of_one(index, surface.triangle) && !walk.looks_against(surface.triangle, normal);
+        let is_own = volume != NONE && (volume == walk.volume_of(surface.triangle) || is_one_face());
         if is_in_plane && (is_own || !is_against) {
             // In the plane itself, or behind it; or the other side of something that thin.
             return false;
