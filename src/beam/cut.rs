@@ -10,15 +10,11 @@ pub(super) const ROUNDED: f64 = 1e-6;
 
 /// The planes through which rays leave a cell.
 #[derive(Clone, Copy)]
-pub(crate) struct Exits<'e> {
-    pub(crate) planes: &'e [Plane],
-    /// How far the cell's edges are off what it was cut around, metres, as [`Fringes::of`](super::fringe::Fringes::of): no plane is off by more.
-    pub(crate) off: f64,
-}
+pub(crate) struct Exits<'e>(pub(crate) &'e [Plane]);
 
 impl Exits<'_> {
     /// None.
-    pub(crate) const NONE: Exits<'static> = Exits { planes: &[], off: 0.0 };
+    pub(crate) const NONE: Exits<'static> = Exits(&[]);
 }
 
 /// How far outside of a plane the nearest and the farthest of some corners are, in the camera's coordinates: metres times the length of the plane's normal.
@@ -55,9 +51,9 @@ pub(super) struct Cutting<'c> {
 }
 
 impl Cutting<'_> {
-    /// Where it comes to an end, sooner or later, at a plane that is off by so much, metres, and of which its corners are as far outside as [`outside`] says.
-    pub(super) fn at(&self, exit: &Plane, off: f64, [least, most]: [f64; 2]) -> Option<Cut> {
-        let reach = off * exit.size;
+    /// Where it comes to an end, sooner or later, at a plane that may be off, and of which its corners are as far outside as [`outside`] says.
+    pub(super) fn at(&self, exit: &Plane, [least, most]: [f64; 2]) -> Option<Cut> {
+        let reach = exit.off * exit.size;
         if most <= -reach || least >= reach {
             return None;
         }
@@ -139,7 +135,7 @@ mod tests {
         ) {
             // The camera's coordinates are those of the world.
             let corners = corners.map(|(x, y, z)| DVec3::new(x * z, y * z, z));
-            let plane = Plane { size: DVec3::from(normal).length(), grows: normal, away: -away };
+            let plane = Plane { size: DVec3::from(normal).length(), grows: normal, away: -away, off };
             let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]));
             let all: DVec3 = sides.into_iter().sum();
             let size = corners[0].dot(all);
@@ -150,7 +146,7 @@ mod tests {
             let ends = outside(&plane, &corners);
             let camera = &DMat3::IDENTITY;
             let polygon = Cutting { corners: &corners, near, is_before: true, rows, camera };
-            let cut = polygon.at(&plane, off, ends);
+            let cut = polygon.at(&plane, ends);
             let lies_along = is_along([near, DVec3::from(normal)]) && ends[0] >= -off * plane.size;
             prop_assume!(!lies_along);
             for row in 0..SIZE {

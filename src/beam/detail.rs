@@ -534,14 +534,14 @@ impl<'a> Detail<'a> {
         let polygon = Cutting { corners: seen, near, is_before, rows, camera: &self.camera };
         let mut is_within = true;
         drawn.cuts.clear();
-        for exit in exits.planes.iter().filter(|exit| exit.is_exit()) {
+        for exit in exits.0.iter().filter(|exit| exit.is_exit()) {
             let [least, most] = outside(exit, seen);
             if most > OUTSIDE * exit.size {
                 bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
-            if exits.off > 0.0 {
-                is_within &= least < exits.off * exit.size;
-                drawn.cuts.extend(polygon.at(exit, exits.off, [least, most]));
+            if exit.off > 0.0 {
+                is_within &= least < exit.off * exit.size;
+                drawn.cuts.extend(polygon.at(exit, [least, most]));
             }
         }
         if !is_within {

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec2, DVec3};
 
-use super::rows::free_parts;
+use super::rows::{Line, free_parts};
 use super::screen::{Plane, Screen};
 use super::shade::{Show, UNSURE};
 use super::walk::corner;
@@ -19,8 +19,8 @@ use crate::trace::{NONE, Prisms};
 /// What cells are off by less, metres, is rounding.
 const EXACT: f64 = 1e-8;
 
-/// An edge, where two faces meet, is off by no more than so many times as far as these are, if they meet at an angle of 60 to 120 degrees: at right angles by the
-/// root of two. Flatter and sharper ones may be off by more.
+/// An edge where something else ends than the planes that meet there tell is off by no more than so many times as far as what ends, if its faces meet at an angle of 60
+/// to 120 degrees: at right angles by the root of two. Flatter and sharper ones may be off by more.
 const AT_EDGES: f64 = 2.0;
 
 /// How far cells are off, metres, as bits of f32; or, where nobody came yet, [`NONE`].
@@ -46,7 +46,7 @@ impl Measured {
     }
 }
 
-/// How far each cell's edges are off.
+/// How far each cell's faces are off.
 pub(crate) struct Fringes {
     /// By its own faces alone.
     own: Measured,
@@ -68,7 +68,7 @@ impl Fringes {
         fringes
     }
 
-    /// How far the edges of a cell of air are off what it was cut around, metres; 0 if they are not, and of other cells. Where a wall of it ends at a portal, the wall
+    /// How far the faces of a cell of air are off what it was cut around, metres; 0 if they are not, and of other cells. Where a wall of it ends at a portal, the wall
     /// that it ends at may be that of the cell beyond.
     pub(crate) fn of(&self, tables: &Views, cell: u32) -> f64 {
         self.all.of(cell, || {
@@ -140,47 +140,76 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
             look(cover.source, cover.flags, &mut around.into_iter());
         }
     }
-    if most > EXACT || is_off { (AT_EDGES * most).max(step) } else { 0.0 }
+    if most > EXACT || is_off { most.max(0.5 * step) } else { 0.0 }
 }
 
-/// How far off a line of the picture may be, by how far from the eye what it is the picture of is.
-#[derive(Clone, Copy, Debug, Default)]
+/// How far the planes of a cell are off what it was cut around, metres.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Fringe(f64);
 
 impl Fringe {
-    /// Of a cell that is off by this, metres, in a picture so many pixels wide and high.
-    pub(crate) fn new(screen: &Screen, size: [u32; 2], off: f64) -> Fringe {
-        if off == 0.0 {
-            return Fringe::default();
-        }
-        // What is a metre away, seen at an angle to the picture's axis, is the larger the farther from there.
-        let [width, height] = size.map(f64::from);
-        let away = screen.across.cross(screen.down).normalize_or_zero().dot(screen.first).abs();
-        let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
-        let ray = |[x, y]: [f64; 2]| screen.first + screen.across * x + screen.down * y;
-        let longest = corners.map(|at| ray(at).length_squared()).into_iter().fold(0.0, f64::max);
-        let pixel = screen.across.length().min(screen.down.length());
-        Fringe(off * longest / (away * pixel))
+    /// Of a cell whose faces are off by so much, as [`Fringes::of`].
+    pub(crate) fn new(off: f64) -> Fringe {
+        Fringe(off)
     }
 
-    /// Whether no line is off.
-    #[inline]
+    /// Whether all are exact.
     pub(crate) fn is_none(self) -> bool {
         self.0 == 0.0
     }
 
-    /// Pixels by which a line is off past a corner at this distance, metres.
-    #[inline]
-    pub(crate) fn past(self, distance: f64) -> f64 {
-        self.0 / distance
+    /// How far a plane may be off of which all that matters is a face, in that plane but for roundings.
+    pub(crate) fn of_face(self) -> f64 {
+        self.0
     }
 
-    /// The same where two planes meet: no nearer to the eye than the farther one.
-    #[inline]
-    pub(crate) fn between(self, one: &Plane, other: &Plane) -> f64 {
-        let distance = |plane: &Plane| plane.away.abs() / plane.size;
-        self.past(distance(one).max(distance(other)))
+    /// The same of one in which one thing ends and another begins: it stands for the edge where these meet.
+    pub(crate) fn of_border(self) -> f64 {
+        AT_EDGES * self.0
     }
+
+    /// The same of a side or an end of a cell, by what rays meet there: [`NONE`] where they go on.
+    pub(crate) fn of(self, sources: impl IntoIterator<Item = u32>) -> f64 {
+        if sources.into_iter().any(|source| source == NONE) { self.of_border() } else { self.of_face() }
+    }
+
+    /// By how much the line [past](Screen::past) a corner may be another at a pixel, as a line; `None` if it is exact. The sides that meet there go this way, and
+    /// are off by so much. It is the longer the farther from the eye a pixel's ray has come when it passes the corner, and negative at those that go away from it.
+    pub(crate) fn past(self, screen: &Screen, way: DVec2, sides: [(DVec2, f64); 2]) -> Option<Line> {
+        /// The sine of the angle at which walls meet at least, so that they tell where.
+        const SHARP: f64 = 0.5;
+        if self.is_none() {
+            return None;
+        }
+        let (ahead, [(one, one_off), (other, other_off)]) = (way.normalize_or_zero(), sides);
+        let sine = one.perp_dot(other).abs() / (one.length() * other.length());
+        let is_told = sine >= SHARP && one_off.max(other_off) <= self.of_face();
+        let off = if is_told {
+            // A side moved along its normal moves the corner along the other side; what matters is how far across the way.
+            let across = |side: DVec2| side.normalize().perp_dot(ahead).abs();
+            (one_off * across(other) + other_off * across(one)) / sine
+        } else {
+            self.of_border()
+        };
+        // Moved along the way, too, a corner near the eye is passed in another direction.
+        let off = off * (1.0 + (self.of_border() / way.length()).min(1.0));
+        Some(Line(screen.along((ahead * off).extend(0.0))))
+    }
+}
+
+/// By how much the line where two planes meet, as [`Plane::beyond_at`] has it, may be another at a pixel, as a line; `None` if it is exact. It is negative at pixels
+/// whose rays come to neither plane: that line is not there.
+///
+/// Moved by `d` along its unit normal a plane changes that line, at each pixel, by `d` times how the other plane grows there: no matter at which angle they
+/// meet, how far away, and from where that is seen.
+pub(crate) fn between(one: &Plane, other: &Plane) -> Option<Line> {
+    if one.off == 0.0 && other.off == 0.0 {
+        return None;
+    }
+    // What a ray comes to grows nearer along it.
+    let share = |of: &Plane, to: &Plane| -(of.off * of.size).copysign(to.away);
+    let [by_one, by_other] = [share(one, other), share(other, one)];
+    Some(Line([0, 1, 2].map(|i| by_one * other.grows[i] + by_other * one.grows[i])))
 }
 
 /// Pixels of a picture so near to an edge that rays are to tell what they show: parts of rows.

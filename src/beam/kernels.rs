@@ -30,6 +30,18 @@ impl Kernels {
         simd::split(self.0, borders, border, first, line)
     }
 
+    /// Gives `take` those parts of rows from the `first` on, between their own borders, that are on the positive side of two lines. Hardly ever there are any.
+    #[inline]
+    pub(super) fn near(
+        self,
+        borders: [&[i32]; 2],
+        first: i32,
+        bounds: [Bound; 2],
+        take: &mut dyn FnMut(i32, [i32; 2]),
+    ) {
+        simd::near(self.0, borders, first, bounds, take);
+    }
+
     /// Fills what is free between the borders of rows, the first of which is the row `first` of the picture.
     #[inline]
     pub(super) fn fill<T: Tint>(self, borders: [&[i32]; 2], cover: &mut Cover<'_>, first: i32, tint: &T) {
@@ -238,6 +250,48 @@ pub(super) fn split<W: Wide>(
         (least, most) = (least.min(column), most.max(column));
     }
     [least.least(), most.most()]
+}
+
+#[inline(always)]
+pub(super) fn near<W: Wide>(
+    [lo, hi]: [&[i32]; 2],
+    first: i32,
+    bounds: [Bound; 2],
+    take: &mut dyn FnMut(i32, [i32; 2]),
+) {
+    let ((los, lo_rest), (his, hi_rest)) = (lo.as_chunks::<ROWS>(), hi.as_chunks::<ROWS>());
+    let mut row = first;
+    for (lo, hi) in los.iter().zip(his) {
+        if may_be_between::<W>(row, bounds) {
+            take_between(row, [lo, hi], bounds, take);
+        }
+        row += ROWS as i32;
+    }
+    if !lo_rest.is_empty() && may_be_between::<W>(row, bounds) {
+        take_between(row, [lo_rest, hi_rest], bounds, take);
+    }
+}
+
+/// Whether in any of eight rows there is a column on the positive side of two lines.
+#[inline(always)]
+fn may_be_between<W: Wide>(row: i32, [one, other]: [Bound; 2]) -> bool {
+    if one.is_left == other.is_left {
+        return true;
+    }
+    let [from, to] = if one.is_left { [other, one] } else { [one, other] };
+    let from = LinesOf::<W>::new(from.slope, from.start, row).not_left();
+    let to = LinesOf::<W>::new(to.slope, to.start, row).not_left();
+    from.less(to) != 0
+}
+
+/// Gives `take` what of some rows between their borders is on the positive side of two lines.
+fn take_between(first: i32, [lo, hi]: [&[i32]; 2], bounds: [Bound; 2], take: &mut dyn FnMut(i32, [i32; 2])) {
+    for (row, (&lo, &hi)) in (first..).zip(lo.iter().zip(hi)) {
+        let part = bounds.iter().fold([lo, hi], |part, bound| bound.within(part, row));
+        if part[0] < part[1] {
+            take(row, part);
+        }
+    }
 }
 
 /// Rounded up; what cannot be told is held within what numbers there are.

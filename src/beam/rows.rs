@@ -3,7 +3,7 @@
 //! A region is convex, so that one interval a row holds it. A straight line splits it into a left and a right part whose border is one more column a row,
 //! kept once: what one part has not the other has, and each pixel of the region is in exactly one of them, however the line is rounded.
 
-use super::kernels::Kernels;
+use super::kernels::{Bound, Kernels};
 use super::wide::ROWS;
 
 /// A straight line of the picture, `u x + v y + w = 0` in columns and rows; its positive side is where that is no less than 0.
@@ -153,47 +153,24 @@ impl Arena {
         if u > 0.0 { (right, left) } else { (left, right) }
     }
 
-    /// Gives `take` the pixels of a region that are no farther than so many pixels from a line: the row, and from which column up to which.
+    /// Gives `take` the pixels of a region at which one line is no farther from 0 than another is above it: the row, and from which column up to which.
     pub(super) fn near(
-        &mut self,
+        &self,
         kernels: &Kernels,
         region: Region,
-        (line, pixels): (Line, f64),
-        mut take: impl FnMut(i32, [i32; 2]),
+        (line, off): (Line, Line),
+        take: &mut dyn FnMut(i32, [i32; 2]),
     ) {
-        let Line([u, v, w]) = line;
-        let off = pixels * (u * u + v * v).sqrt();
-        let [y0, y1] = region.rows;
-        let [least, most] = region.values(line);
-        // A line that is none is nowhere.
-        if !(off > 0.0 && least <= off && most >= -off) {
+        let by = |sign: f64| Line([0, 1, 2].map(|i| off.0[i] + sign * line.0[i]));
+        let lines = [by(1.0), by(-1.0)];
+        if lines.iter().any(|&line| region.values(line)[1] < 0.0) {
             return;
         }
-        let (slope, starts) = (-v / u, [(off - w) / u, (-off - w) / u]);
-        let is_along_rows = !(slope.is_finite() && starts.iter().all(|start| start.is_finite()));
-        if is_along_rows {
-            let [lo, hi] = self.borders(&region);
-            for (row, (&lo, &hi)) in (y0..).zip(lo.iter().zip(hi)) {
-                if lo < hi && (v * f64::from(row) + w).abs() <= off {
-                    take(row, [lo, hi]);
-                }
-            }
-            return;
+        let mut rows = region.rows;
+        let bounds = lines.map(|Line(line)| Bound::new(line.into(), &mut rows));
+        if rows[0] < rows[1] {
+            kernels.near(self.borders(&region.within(rows)), rows[0], bounds, take);
         }
-        let (top, count) = (self.top(), (y1 - y0) as usize);
-        let (lo, hi) = (self.range(region.lo, region.rows), self.range(region.hi, region.rows));
-        self.columns.resize(top + 2 * count + ROWS, 0);
-        let (old, new) = self.columns.split_at_mut(top);
-        let (from, to) = new[..2 * count].split_at_mut(count);
-        let borders = [&old[lo], &old[hi]];
-        kernels.split(borders, from, y0, [slope, starts[0].min(starts[1])]);
-        kernels.split(borders, to, y0, [slope, starts[0].max(starts[1])]);
-        for (row, (&from, &to)) in (y0..).zip(from.iter().zip(&*to)) {
-            if from < to {
-                take(row, [from, to]);
-            }
-        }
-        self.forget(top);
     }
 }
 

@@ -83,7 +83,7 @@ impl Screen {
 
     /// The plane with the outward `normal`, outside of which the eye is by `away` times the normal's length.
     pub(crate) fn plane(&self, normal: DVec3, away: f64) -> Plane {
-        Plane { size: normal.length(), grows: self.along(normal), away }
+        Plane { size: normal.length(), grows: self.along(normal), away, off: 0.0 }
     }
 }
 
@@ -96,6 +96,8 @@ pub(crate) struct Plane {
     pub(crate) grows: [f64; 3],
     /// How far outside the eye is; negative inside.
     pub(crate) away: f64,
+    /// How far, metres, it may be off what it stands for: 0 if that is told exactly.
+    pub(crate) off: f64,
 }
 
 impl Plane {
@@ -106,7 +108,7 @@ impl Plane {
 
     /// The same with the outside in.
     pub(crate) fn turned(&self) -> Plane {
-        Plane { size: self.size, grows: self.grows.map(|c| -c), away: -self.away }
+        Plane { grows: self.grows.map(|c| -c), away: -self.away, ..*self }
     }
 
     /// The rays that come nearer to it, of an eye that is outside, are on this line's positive side.
@@ -117,6 +119,11 @@ impl Plane {
     /// The same plane, of a cell that holds the eye.
     pub(crate) fn around_eye(self) -> Plane {
         Plane { away: self.away.min(-WITHIN), ..self }
+    }
+
+    /// The same plane, off by so much.
+    pub(crate) fn off_by(self, off: f64) -> Plane {
+        Plane { off, ..self }
     }
 
     /// Where rays that leave through `exit` do so outside of this plane: there the line's positive side is. Of rays from outside that come through `exit` the

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::cover::Cover;
 use super::glass::{Layer, Layers};
-use super::kernels::{self, Deep, Kernels, Tint};
+use super::kernels::{self, Bound, Deep, Kernels, Tint};
 use super::rows::Region;
 use super::sight::{Boxes, Places, Sight};
 use super::wide::Portable;
@@ -27,6 +27,16 @@ macro_rules! entries {
             line: [f64; 2],
         ) -> [i32; 2] {
             super::kernels::split::<$wide>(borders, border, first, line)
+        }
+
+        #[target_feature(enable = $features)]
+        pub(super) fn near(
+            borders: [&[i32]; 2],
+            first: i32,
+            bounds: [super::kernels::Bound; 2],
+            take: &mut dyn FnMut(i32, [i32; 2]),
+        ) {
+            super::kernels::near::<$wide>(borders, first, bounds, take);
         }
 
         #[target_feature(enable = $features)]
@@ -202,6 +212,17 @@ pub(super) fn split(
     line: [f64; 2],
 ) -> [i32; 2] {
     by_kernel!(kernel, split, <>, (borders, border, first, line))
+}
+
+#[inline]
+pub(super) fn near(
+    kernel: Kernel,
+    borders: [&[i32]; 2],
+    first: i32,
+    bounds: [Bound; 2],
+    take: &mut dyn FnMut(i32, [i32; 2]),
+) {
+    by_kernel!(kernel, near, <>, (borders, first, bounds, take));
 }
 
 #[inline]

@@ -7,7 +7,7 @@
 use glam::{DVec2, DVec3};
 
 use super::cut::Exits;
-use super::fringe::{Fringe, Fringes};
+use super::fringe::{Fringe, Fringes, between};
 use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;
 use super::outer::Outer;
@@ -97,9 +97,7 @@ pub(super) struct Walker<'a, P> {
     space: &'a mut Space,
     paint: &'a mut P,
     known: &'a Known,
-    /// How many pixels the picture is wide and high.
-    size: [u32; 2],
-    /// How far off lines are of the cell that is looked at.
+    /// How far off the planes are of the cell that is looked at.
     fringe: Fringe,
     /// What lies around the prisms.
     around: Around<'a>,
@@ -138,13 +136,12 @@ impl<'a, P: Paint> Walker<'a, P> {
         paint: &'a mut P,
         (known, around): (&'a Known, Around<'a>),
     ) -> Self {
-        let (prisms, fringe) = (Prisms::new(tables), Fringe::default());
-        Walker { tables, prisms, screen, kernels, space, paint, known, size: [0; 2], fringe, around }
+        let (prisms, fringe) = (Prisms::new(tables), Fringe::new(0.0));
+        Walker { tables, prisms, screen, kernels, space, paint, known, fringe, around }
     }
 
     /// Paints the band of rows from `first` up to `end` of a picture of this size, pixels, as seen from the cell `start`, which holds the eye, if one does.
     pub(super) fn band(&mut self, size: [u32; 2], [first, end]: [i32; 2], start: Option<u32>) {
-        self.size = size;
         let region = self.space.arena.begin(size[0] as i32, first, end);
         self.space.tasks.clear();
         self.space.cells = 0;
@@ -185,30 +182,37 @@ impl<'a, P: Paint> Walker<'a, P> {
         self.space.arena.split(&self.kernels, region, line)
     }
 
-    /// The same by a line of the cell that is looked at, which is off by no more than so many pixels.
+    /// The same by a line of the cell that is looked at, which may be off by so much.
     fn split_off(
         &mut self,
         region: Region,
         line: Line,
-        off: impl FnOnce(Fringe) -> f64,
+        off: Option<Line>,
     ) -> (Option<Region>, Option<Region>) {
-        if !self.fringe.is_none() {
-            let (off, paint) = (off(self.fringe), &mut *self.paint);
-            self.space
-                .arena
-                .near(&self.kernels, region, (line, off), |row, columns| paint.edge(row, columns));
+        if let Some(off) = off {
+            let paint = &mut *self.paint;
+            self.space.arena.near(&self.kernels, region, (line, off), &mut |row, columns| {
+                paint.edge(row, columns);
+            });
         }
         self.split(region, line)
     }
 
     /// Where rays that leave through one plane do so outside, and inside, of another.
     fn split_at(&mut self, region: Region, other: &Plane, exit: &Plane) -> (Option<Region>, Option<Region>) {
-        self.split_off(region, other.beyond_at(exit), |fringe| fringe.between(other, exit))
+        self.split_off(region, other.beyond_at(exit), between(other, exit))
     }
 
-    /// Where rays pass a corner on the left, and on the right: the way to it, and the line through it.
-    fn split_past(&mut self, region: Region, (way, line): (DVec2, Line)) -> (Option<Region>, Option<Region>) {
-        self.split_off(region, line, |fringe| fringe.past(way.length()))
+    /// Where rays pass the corner at which a side begins on the left, and on the right; the way to it, and the line through it.
+    fn split_past(
+        &mut self,
+        inside: &In<'_>,
+        side: usize,
+        region: Region,
+        (way, line): (DVec2, Line),
+    ) -> (Option<Region>, Option<Region>) {
+        let off = self.fringe.past(self.screen, way, meeting_at(inside.sides, inside.planes, side));
+        self.split_off(region, line, off)
     }
 
     /// The floor (`up` is -1) or ceiling (1) of a cell.
@@ -233,8 +237,7 @@ impl<'a, P: Paint> Walker<'a, P> {
             Around::Outer(outer) | Around::Entered(outer, _) => Triangles::Outer(outer),
             Around::All(root) => Triangles::All(root),
         };
-        let before = Exits { planes: before, off: 0.0 };
-        self.paint.detail(&self.space.arena, region, (AROUND, triangles), before);
+        self.paint.detail(&self.space.arena, region, (AROUND, triangles), Exits(before));
     }
 
     /// The rays of a region, which come from outside: into the zone of the prisms, or past it. They enter it through one of those sides
@@ -316,18 +319,19 @@ impl<'a, P: Paint> Walker<'a, P> {
             self.outside(task.region);
             return;
         }
-        let off = self.known.fringes.of(self.tables, task.cell);
-        self.fringe = Fringe::new(self.screen, self.size, off);
+        self.fringe = Fringe::new(self.known.fringes.of(self.tables, task.cell));
         let sides = prisms.sides_of(cell);
         let holds_eye = task.from == NONE;
         let settle = |plane: Plane| if holds_eye { plane.around_eye() } else { plane };
-        let floor = settle(self.level(cell.floor, -1.0));
-        let ceiling = settle(self.level(cell.ceiling, 1.0));
+        let [below, above] = offs_of_ends(&prisms, cell, self.fringe);
+        let floor = settle(self.level(cell.floor, -1.0)).off_by(below);
+        let ceiling = settle(self.level(cell.ceiling, 1.0)).off_by(above);
         let mut planes = std::mem::take(&mut self.space.planes);
         planes.clear();
         for (index, side) in sides.iter().enumerate() {
             let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
-            planes.push(settle(self.upright(corner(side), corner(next))));
+            let off = off_of_side(&prisms, side, self.fringe);
+            planes.push(settle(self.upright(corner(side), corner(next))).off_by(off));
         }
         planes.extend([floor, ceiling]);
         if cell.root != NONE {
@@ -335,7 +339,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 &self.space.arena,
                 &task.region,
                 (task.cell, Triangles::Below(cell.root)),
-                Exits { planes: &planes, off },
+                Exits(&planes),
             );
         }
         planes.truncate(sides.len());
@@ -358,7 +362,7 @@ impl<'a, P: Paint> Walker<'a, P> {
     fn all_around(&mut self, inside: &In<'_>) {
         let count = inside.sides.len();
         let past = self.past(corner(&inside.sides[0]));
-        let (zero, (left, right)) = (past.0, self.split_past(inside.task.region, past));
+        let (zero, (left, right)) = (past.0, self.split_past(inside, 0, inside.task.region, past));
         let mut rest = left;
         for side in 0..count {
             let Some(region) = rest else { break };
@@ -368,7 +372,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.column(inside, side, region);
                 break;
             }
-            let (beyond, before) = self.split_past(region, past);
+            let (beyond, before) = self.split_past(inside, next, region, past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
@@ -380,7 +384,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.column(inside, side, region);
                 break;
             }
-            let (before, beyond) = self.split_past(region, past);
+            let (before, beyond) = self.split_past(inside, side, region, past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
@@ -402,7 +406,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 return;
             }
             let past = self.past(corner(&inside.sides[next]));
-            let (beyond, before) = self.split_past(region, past);
+            let (beyond, before) = self.split_past(inside, next, region, past);
             before.into_iter().for_each(|before| self.column(inside, side % count, before));
             let Some(beyond) = beyond else { return };
             region = beyond;
@@ -433,7 +437,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.leave(inside, &plane, to, region);
                 return;
             }
-            let top = self.level(face.top, 1.0);
+            let top = self.level(face.top, 1.0).off_by(self.fringe.of_border());
             let (above, under) = self.split_at(region, &top, &plane);
             under.into_iter().for_each(|under| self.leave(inside, &plane, to, under));
             let Some(above) = above else { return };
@@ -468,7 +472,8 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             }
             Part::Split { by, right, left } => {
-                let (outer, inner) = self.split_at(region, &self.splitting(by), plane);
+                let by = self.splitting(by).off_by(self.fringe.of_border());
+                let (outer, inner) = self.split_at(region, &by, plane);
                 for (region, at) in [(outer, right), (inner, left)] {
                     if let Some(region) = region {
                         self.part(inside, plane, (tree, at as usize), covers, region);
@@ -498,6 +503,29 @@ impl<'a, P: Paint> Walker<'a, P> {
         };
         self.show(region, seen);
     }
+}
+
+/// How far the upright plane over a side may be off.
+pub(crate) fn off_of_side(prisms: &Prisms<'_>, side: &SideRecord, fringe: Fringe) -> f64 {
+    if fringe.is_none() { 0.0 } else { fringe.of(prisms.faces_of(side).iter().map(|face| face.source)) }
+}
+
+/// The same of a cell's floor and ceiling.
+pub(crate) fn offs_of_ends(prisms: &Prisms<'_>, cell: &CellRecord, fringe: Fringe) -> [f64; 2] {
+    if fringe.is_none() {
+        return [0.0; 2];
+    }
+    let (below, above) = prisms.covers_of(cell);
+    [below, above].map(|covers| fringe.of(covers.iter().map(|cover| cover.source)))
+}
+
+/// The sides that meet where one begins: which way they go, and how far they may be off.
+pub(crate) fn meeting_at(sides: &[SideRecord], planes: &[Plane], side: usize) -> [(DVec2, f64); 2] {
+    let before = if side == 0 { sides.len() - 1 } else { side - 1 };
+    [before, side].map(|side| {
+        let next = if side + 1 < sides.len() { side + 1 } else { 0 };
+        (corner(&sides[next]) - corner(&sides[side]), planes[side].off)
+    })
 }
 
 /// What is beyond a part of a cell's surface.

@@ -139,7 +139,7 @@ impl Band<'_, '_, '_> {
                 Node::Line { line: [u, v, w], off, sides } => {
                     let value = u * x + v * y + w;
                     let reach = [u.abs() * half_x, v.abs() * half_y];
-                    let most = reach[0] + reach[1] + f64::from(off);
+                    let most = reach[0] + reach[1] + self.tree.off_at(off, [x, y], [half_x, half_y]);
                     if value >= most {
                         packet.way.node = sides[0];
                     } else if value < -most {
@@ -250,7 +250,7 @@ impl Band<'_, '_, '_> {
             loop {
                 match self.tree.nodes[lot.way.node as usize] {
                     Node::Line { line, off, sides } => {
-                        if off > 0.0 {
+                        if let Some(&off) = self.tree.offs.get(off as usize) {
                             let near = lot.bits & near::<W>(packet.from, line, off);
                             self.edges(packet, near);
                         }
@@ -346,11 +346,11 @@ impl Band<'_, '_, '_> {
         let top = canvas.cover.top;
         for area in waiting.all() {
             let within = &tree.details[area.detail as usize];
-            let exits = Exits { planes: &tree.exits[within.exits.clone()], off: within.off };
+            let exits = Exits(&tree.exits[within.exits.clone()]);
             let triangles = match within.root {
                 NONE => Triangles::Outer(shot.outer),
                 // From outside all triangles there are.
-                root if within.cell == AROUND && exits.planes.is_empty() => Triangles::All(root),
+                root if within.cell == AROUND && exits.0.is_empty() => Triangles::All(root),
                 root => Triangles::Below(root),
             };
             area.draw(|first, parts| {
@@ -430,15 +430,17 @@ fn below<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3]) -> u64 {
     if doubt == 0 { bits } else { exactly_below(first, [u, v], (bits, doubt)) }
 }
 
-/// Which of the pixels of a leaf that starts at `from` are where a line is no farther than this from 0. The same bits by every kernel.
+/// Which of the pixels of a leaf that starts at `from` are where a line is less than another is from 0. The same bits by every kernel.
 #[inline(always)]
-fn near<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3], off: f32) -> u64 {
+fn near<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3], [off_u, off_v, off_w]: [f32; 3]) -> u64 {
     let first = u * f64::from(from[0]) + v * f64::from(from[1]) + w;
     let along = W::count().mul(W::splat(u as f32));
-    let off = W::splat(off);
+    let off_first = off_u * from[0] as f32 + off_v * from[1] as f32 + off_w;
+    let off_along = W::count().mul(W::splat(off_u));
     let mut bits = 0;
     for j in 0..ROWS {
         let value = along.add(W::splat((first + v * j as f64) as f32));
+        let off = off_along.add(W::splat(off_first + off_v * j as f32));
         bits |= u64::from(off.greater(value.abs())) << (WIDE * j);
     }
     bits

@@ -210,7 +210,6 @@ impl<S: Deref<Target = Scene>> Packets<S> {
             joined: &kept.joined,
             hidden: kept.backs.seen_from(tables, internal.eye),
             width,
-            height,
             show,
             start,
             outer: &kept.outer,

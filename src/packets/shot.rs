@@ -47,7 +47,6 @@ pub(super) struct Shot<'s> {
     pub(super) joined: &'s Joined,
     pub(super) hidden: Hidden<'s>,
     pub(super) width: u32,
-    pub(super) height: u32,
     pub(super) show: Show,
     /// The cell of the eye; none in a solid.
     pub(super) start: Option<u32>,
@@ -64,9 +63,9 @@ impl Shot<'_> {
         }
     }
 
-    /// How far off lines of a cell are.
+    /// How far off the planes of a cell are.
     pub(super) fn fringe(&self, cell: u32) -> Fringe {
-        Fringe::new(&self.screen, [self.width, self.height], self.known.fringes.of(self.tables, cell))
+        Fringe::new(self.known.fringes.of(self.tables, cell))
     }
 
     /// How a source of faces looks in a plane.

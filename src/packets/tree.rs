@@ -5,12 +5,12 @@
 //! grows where rays come, once a picture; whoever waits at a place of it goes on from there.
 
 use super::shot::Shot;
-use crate::beam::fringe::Fringe;
+use crate::beam::fringe::{Fringe, between};
 use crate::beam::parting::Part;
 use crate::beam::rows::Line;
 use crate::beam::screen::Plane;
 use crate::beam::shade::Shading;
-use crate::beam::walk::{self as beam, To, corner};
+use crate::beam::walk::{self as beam, To, corner, meeting_at, off_of_side, offs_of_ends};
 use crate::format::records::{CellRecord, CoverRecord, SideRecord};
 use crate::trace::NONE;
 
@@ -18,8 +18,8 @@ use crate::trace::NONE;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Node {
     /// On which side of the line `u x + v y + w = 0`, in columns and rows, a pixel is: where to go on where that is no less than 0, and
-    /// where it is less. Nearer to 0 than `off` rays tell what is shown.
-    Line { line: [f64; 3], off: f32, sides: [u32; 2] },
+    /// where it is less. Nearer to 0 than this one of the `offs` says, or [`NONE`], rays tell what is shown.
+    Line { line: [f64; 3], off: u32, sides: [u32; 2] },
     /// From a cell, or [`NONE`], into another.
     Cell { from: u32, to: u32, next: u32 },
     /// Past these of the triangles in cells; where those go on that meet none.
@@ -58,8 +58,6 @@ pub(super) struct Within {
     pub(super) root: u32,
     /// Which of the exits are the planes of the cell.
     pub(super) exits: std::ops::Range<usize>,
-    /// How far these are off, metres.
-    pub(super) off: f64,
 }
 
 /// The place of what cells do not tell.
@@ -70,6 +68,8 @@ const AROUND: u32 = 1;
 /// The tree of one picture.
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
+    /// How far lines may be off: as lines, in columns and rows.
+    pub(super) offs: Vec<[f32; 3]>,
     pub(super) faces: Vec<Face>,
     pub(super) rough: Vec<Rough>,
     pub(super) details: Vec<Within>,
@@ -86,7 +86,7 @@ pub(super) struct Tree {
 struct Inside<'a> {
     index: u32,
     sides: &'a [SideRecord],
-    /// How far off its lines are.
+    /// How far off its planes are.
     fringe: Fringe,
     /// The floor and the ceiling.
     ends: [Plane; 2],
@@ -98,8 +98,8 @@ impl Tree {
     /// For a scene of so many cells.
     pub(super) fn new(cells: usize) -> Tree {
         let (nodes, faces, rough, details, exits) = Default::default();
-        let (known, planes, columns) = Default::default();
-        Tree { nodes, faces, rough, details, exits, firsts: vec![NONE; cells], known, planes, columns }
+        let (known, planes, columns, offs) = Default::default();
+        Tree { nodes, offs, faces, rough, details, exits, firsts: vec![NONE; cells], known, planes, columns }
     }
 
     /// Begins anew, and says where rays start.
@@ -108,6 +108,7 @@ impl Tree {
             self.firsts[cell as usize] = NONE;
         }
         self.nodes.clear();
+        self.offs.clear();
         self.faces.clear();
         self.rough.clear();
         self.details.clear();
@@ -120,7 +121,7 @@ impl Tree {
             _ => Some(NONE),
         };
         if let Some(root) = around {
-            self.details.push(Within { cell: beam::AROUND, root, exits: 0..0, off: 0.0 });
+            self.details.push(Within { cell: beam::AROUND, root, exits: 0..0 });
             self.nodes[AROUND as usize] = Node::Detail { detail: 0, next: 2 };
             self.nodes.push(Node::Sky);
         }
@@ -131,9 +132,26 @@ impl Tree {
         }
     }
 
-    /// A line of a cell that is off by so many pixels.
-    fn line(&mut self, Line(line): Line, pixels: f64, sides: [u32; 2]) -> u32 {
-        self.push(self::line(line, pixels, sides))
+    /// A line that may be off by so much, and where to go on.
+    fn line(&mut self, Line(line): Line, off: Option<Line>, sides: [u32; 2]) -> Node {
+        let off = off.map_or(NONE, |Line(off)| {
+            self.offs.push(off.map(|c| c as f32));
+            self.offs.len() as u32 - 1
+        });
+        Node::Line { line, off, sides }
+    }
+
+    fn push_line(&mut self, line: Line, off: Option<Line>, sides: [u32; 2]) -> u32 {
+        let node = self.line(line, off, sides);
+        self.push(node)
+    }
+
+    /// The most that a line may be off by, which this one of the `offs` says, at the pixels around the middle of a packet, no farther than half its size.
+    #[inline(always)]
+    pub(super) fn off_at(&self, off: u32, [x, y]: [f64; 2], [half_x, half_y]: [f64; 2]) -> f64 {
+        let Some(off) = self.offs.get(off as usize) else { return 0.0 };
+        let [u, v, w] = off.map(f64::from);
+        (u * x + v * y + w + u.abs() * half_x + v.abs() * half_y).max(0.0)
     }
 
     fn push(&mut self, node: Node) -> u32 {
@@ -170,20 +188,21 @@ impl Tree {
         if cell.kind != CellRecord::AIR {
             return UNSURE;
         }
-        let sides = prisms.sides_of(cell);
+        let (sides, fringe) = (prisms.sides_of(cell), shot.fringe(index));
         let ends = [self::end(shot, index, 0), self::end(shot, index, 1)];
         let mut planes = std::mem::take(&mut self.planes);
         planes.clear();
         for (index, side) in sides.iter().enumerate() {
             let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
-            planes.push(shot.screen.upright(corner(side), corner(next)));
+            let off = off_of_side(prisms, side, fringe);
+            planes.push(shot.screen.upright(corner(side), corner(next)).off_by(off));
         }
         if shot.start == Some(index) {
             planes.iter_mut().for_each(|plane| *plane = plane.around_eye());
         }
         let (below, above) = prisms.covers_of(cell);
         let beyond = [self.cover(shot, index, 0, below), self.cover(shot, index, 1, above)];
-        let inside = Inside { index, sides, fringe: shot.fringe(index), ends, beyond };
+        let inside = Inside { index, sides, fringe, ends, beyond };
         let next = if planes.iter().all(Plane::is_exit) {
             self.all_around(shot, &inside, &planes)
         } else {
@@ -194,12 +213,7 @@ impl Tree {
             root => {
                 let first = self.exits.len();
                 self.exits.extend(planes.iter().chain(&ends));
-                self.details.push(Within {
-                    cell: index,
-                    root,
-                    exits: first..self.exits.len(),
-                    off: shot.known.fringes.of(shot.tables, index),
-                });
+                self.details.push(Within { cell: index, root, exits: first..self.exits.len() });
                 self.push(Node::Detail { detail: self.details.len() as u32 - 1, next })
             }
         };
@@ -217,7 +231,8 @@ impl Tree {
         let first = (1..count).rev().find(|&side| zero.perp_dot(way(side)) >= 0.0).unwrap_or(0);
         let left = self.columns(shot, inside, planes, 0..=last);
         let right = self.columns(shot, inside, planes, first..=count - 1);
-        self.line(line, inside.fringe.past(zero.length()), [left, right])
+        let off = inside.fringe.past(&shot.screen, zero, meeting_at(inside.sides, planes, 0));
+        self.push_line(line, off, [left, right])
     }
 
     /// The eye is beside the footprint: rays leave through those sides that face away from it.
@@ -244,20 +259,28 @@ impl Tree {
         columns.clear();
         let first = *sides.start();
         columns.extend(sides.map(|side| self.column(shot, inside, planes, side % inside.sides.len())));
-        let node = self.halves(shot, inside, &columns, first);
+        let node = self.halves(shot, inside, planes, (&columns, first));
         self.columns = columns;
         node
     }
 
-    fn halves(&mut self, shot: &Shot<'_>, inside: &Inside<'_>, columns: &[u32], first: usize) -> u32 {
+    fn halves(
+        &mut self,
+        shot: &Shot<'_>,
+        inside: &Inside<'_>,
+        planes: &[Plane],
+        (columns, first): (&[u32], usize),
+    ) -> u32 {
         if let [column] = columns {
             return *column;
         }
         let middle = columns.len() / 2;
-        let right = self.halves(shot, inside, &columns[..middle], first);
-        let left = self.halves(shot, inside, &columns[middle..], first + middle);
-        let (way, line) = shot.screen.past(corner(&inside.sides[(first + middle) % inside.sides.len()]));
-        self.line(line, inside.fringe.past(way.length()), [left, right])
+        let right = self.halves(shot, inside, planes, (&columns[..middle], first));
+        let left = self.halves(shot, inside, planes, (&columns[middle..], first + middle));
+        let side = (first + middle) % inside.sides.len();
+        let (way, line) = shot.screen.past(corner(&inside.sides[side]));
+        let off = inside.fringe.past(&shot.screen, way, meeting_at(inside.sides, planes, side));
+        self.push_line(line, off, [left, right])
     }
 
     /// Through one side, unless floor or ceiling come before.
@@ -272,12 +295,13 @@ impl Tree {
                 here
             } else {
                 let top = shot.screen.level(shot.prisms.plane(face.top), 1.0);
-                self.line(top.beyond_at(plane), inside.fringe.between(&top, plane), [node, here])
+                let top = top.off_by(inside.fringe.of_border());
+                self.push_line(top.beyond_at(plane), between(&top, plane), [node, here])
             };
         }
         for (end, beyond) in inside.ends.iter().zip(inside.beyond).rev() {
             if end.is_exit() {
-                node = self.line(end.beyond_at(plane), inside.fringe.between(end, plane), [beyond, node]);
+                node = self.push_line(end.beyond_at(plane), between(end, plane), [beyond, node]);
             }
         }
         node
@@ -311,9 +335,9 @@ impl Tree {
                 self.nodes[place as usize]
             }
             Part::Split { by, right, left } => {
-                let by = shot.splitting(by);
+                let by = shot.splitting(by).off_by(shot.fringe(cell).of_border());
                 let sides = [right, left].map(|at| self.push(Node::Part { cell, end, at }));
-                self::line(by.beyond_at(&plane).0, shot.fringe(cell).between(&by, &plane), sides)
+                self.line(by.beyond_at(&plane), between(&by, &plane), sides)
             }
         }
     }
@@ -340,18 +364,11 @@ impl Tree {
     }
 }
 
-/// A line of a cell that is off by so many pixels, and where to go on.
-fn line(line: [f64; 3], pixels: f64, sides: [u32; 2]) -> Node {
-    let [u, v, _] = line;
-    // What is off by nothing is, however near.
-    let off = if pixels > 0.0 { pixels * (u * u + v * v).sqrt() } else { 0.0 };
-    Node::Line { line, off: off as f32, sides }
-}
-
 /// The plane of a cell's floor (`end` is 0) or ceiling (1).
 fn end(shot: &Shot<'_>, cell: u32, end: u32) -> Plane {
     let record = &shot.prisms.cells[cell as usize];
     let (plane, up) = if end == 0 { (record.floor, -1.0) } else { (record.ceiling, 1.0) };
-    let plane = shot.screen.level(shot.prisms.plane(plane), up);
+    let off = offs_of_ends(&shot.prisms, record, shot.fringe(cell))[end as usize];
+    let plane = shot.screen.level(shot.prisms.plane(plane), up).off_by(off);
     if shot.start == Some(cell) { plane.around_eye() } else { plane }
 }
