@@ -302,7 +302,81 @@ pub(super) fn around(width: usize, count: usize, index: usize) -> impl Iterator<
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    /// A picture by an eye in the origin.
+    const SCREEN: Screen = Screen {
+        eye: DVec3::ZERO,
+        first: DVec3::new(0.9, 0.5, 0.45),
+        across: DVec3::new(0.0, -0.02, 0.001),
+        down: DVec3::new(0.001, 0.0, -0.02),
+    };
+
+    fn at(Line([u, v, w]): Line, [x, y]: [f64; 2]) -> f64 {
+        u * x + v * y + w
+    }
+
+    fn pixels() -> impl Iterator<Item = [f64; 2]> {
+        (0..50).flat_map(|y| (0..50).map(move |x| [f64::from(x), f64::from(y)]))
+    }
+
+    proptest! {
+        /// Where a line is farther from 0 than what it may be off by, planes that are off by no more leave no pixel on its other side.
+        #[test]
+        fn planes_that_are_off_keep_what_is_no_edge(
+            normals in prop::array::uniform2([-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0]),
+            away in prop::array::uniform2(-9.0f64..9.0),
+            offs in prop::array::uniform2(0.0f64..0.5),
+            shares in prop::array::uniform2(-1.0f64..1.0),
+        ) {
+            let normals = normals.map(DVec3::from);
+            let sizes = normals.map(DVec3::length);
+            prop_assume!(sizes.iter().all(|size| *size > 0.1));
+            // The eye stays on the same side of both.
+            prop_assume!([0, 1].iter().all(|&i| away[i].abs() > offs[i] * sizes[i]));
+            let plane = |i: usize, share: f64| {
+                SCREEN.plane(normals[i], away[i] + share * offs[i] * sizes[i]).off_by(offs[i])
+            };
+            let [exit, other] = [plane(0, 0.0), plane(1, 0.0)];
+            let [moved_exit, moved_other] = [plane(0, shares[0]), plane(1, shares[1])];
+            let (line, off) = (other.beyond_at(&exit), between(&other, &exit).unwrap());
+            let moved = moved_other.beyond_at(&moved_exit);
+            for pixel in pixels() {
+                // Of a ray that comes to none of them nothing is said: it leaves through others.
+                let comes_to = |plane: &Plane| at(Line(plane.grows), pixel) * plane.away < 0.0;
+                if comes_to(&exit) && comes_to(&other) && at(line, pixel).abs() > at(off, pixel) * (1.0 + 1e-9) {
+                    prop_assert_eq!(at(line, pixel) > 0.0, at(moved, pixel) > 0.0, "{:?}", pixel);
+                }
+            }
+        }
+
+        /// The same of a line past the corner of two upright planes.
+        #[test]
+        fn sides_that_are_off_keep_what_is_past_no_corner(
+            corner in [1.0f64..9.0, -5.0f64..5.0],
+            turns in prop::array::uniform2(0.0f64..6.2),
+            off in 0.0f64..0.05,
+            shares in prop::array::uniform2(-1.0f64..1.0),
+        ) {
+            let (corner, sides) = (DVec2::from(corner), turns.map(DVec2::from_angle));
+            let sine = sides[0].perp_dot(sides[1]);
+            prop_assume!(sine.abs() > 0.5 && off > 0.0);
+            let offs = sides.map(|side| (side, off));
+            let (way, line) = SCREEN.past(corner);
+            let past = Fringe::new(off).past(&SCREEN, way, offs).unwrap();
+            // Each of the sides along its normal.
+            let moved = corner + (sides[1] * shares[0] - sides[0] * shares[1]) * (off / sine);
+            let (_, moved) = SCREEN.past(moved);
+            for pixel in pixels() {
+                let ahead = SCREEN.along(way.extend(0.0));
+                if at(Line(ahead), pixel) > 0.0 && at(line, pixel).abs() > at(past, pixel) * (1.0 + 1e-9) {
+                    prop_assert_eq!(at(line, pixel) > 0.0, at(moved, pixel) > 0.0, "{:?}", pixel);
+                }
+            }
+        }
+    }
 
     #[test]
     fn pixels_that_come_again_and_again_fill_no_memory() {

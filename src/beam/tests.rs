@@ -399,6 +399,44 @@ fn numbers_say_what_pixels_show() {
 }
 
 proptest! {
+    /// The pixels of a region near a line are found, and no others, by all kernels.
+    #[test]
+    fn pixels_near_lines_are_found(
+        cut in [-3.0f64..3.0, -3.0f64..3.0, -200.0f64..200.0],
+        line in [-3.0f64..3.0, -3.0f64..3.0, -200.0f64..200.0],
+        off in [-0.02f64..0.02, -0.02f64..0.02, -1.0f64..3.0],
+        flat in 0u8..4,
+    ) {
+        let (mut line, mut off) = (line, off);
+        if flat == 0 {
+            // Along the rows.
+            (line[0], off[0]) = (0.0, 0.0);
+        }
+        for kernel in Kernel::available() {
+            let (width, rows) = (61, [3, 40]);
+            let mut arena = Arena::new();
+            let all = arena.begin(width, rows[0], rows[1]);
+            let (region, _) = arena.split(&Kernels(kernel), all, Line(cut));
+            let Some(region) = region else { continue };
+            let mut found = vec![false; width as usize * 40];
+            arena.near(&Kernels(kernel), region, (Line(line), Line(off)), &mut |row, [from, to]| {
+                (from..to).for_each(|x| found[(row * width + x) as usize] = true);
+            });
+            let at = |line: [f64; 3], x: i32, y: i32| line[0] * f64::from(x) + line[1] * f64::from(y) + line[2];
+            let [lo, hi] = arena.borders(&region);
+            for y in 0..40 {
+                let row = (y - region.rows[0]) as usize;
+                for x in 0..width {
+                    let is_in = (region.rows[0]..region.rows[1]).contains(&y) && (lo[row]..hi[row]).contains(&x);
+                    let apart = at(off, x, y) - at(line, x, y).abs();
+                    if !is_in || apart.abs() > 1e-9 {
+                        prop_assert_eq!(found[(y * width + x) as usize], is_in && apart > 0.0, "{:?} {} {}", kernel, x, y);
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn lines_split_regions(lines in prop::collection::vec([-3.0f64..3.0, -3.0f64..3.0, -200.0f64..200.0], 1..6)) {
         let (width, rows) = (67, [5, 49]);
