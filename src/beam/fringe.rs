@@ -327,11 +327,13 @@ mod tests {
         #[test]
         fn planes_that_are_off_keep_what_is_no_edge(
             normals in prop::array::uniform2([-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0]),
-            away in prop::array::uniform2(-9.0f64..9.0),
+            (pixel, t) in ([0.0f64..49.0, 0.0f64..49.0], 1.0f64..9.0),
             offs in prop::array::uniform2(0.0f64..0.5),
-            shares in prop::array::uniform2(-1.0f64..1.0),
+            shares in prop::array::uniform2(prop::sample::select(vec![-1.0, 0.4, 1.0])),
         ) {
             let normals = normals.map(DVec3::from);
+            // They meet where this pixel's ray is at t.
+            let away = normals.map(|normal| -t * at(Line(SCREEN.along(normal)), pixel));
             let sizes = normals.map(DVec3::length);
             prop_assume!(sizes.iter().all(|size| *size > 0.1));
             // The eye stays on the same side of both.
@@ -358,7 +360,7 @@ mod tests {
             corner in [1.0f64..9.0, -5.0f64..5.0],
             turns in prop::array::uniform2(0.0f64..6.2),
             off in 0.0f64..0.05,
-            shares in prop::array::uniform2(-1.0f64..1.0),
+            shares in prop::array::uniform2(prop::sample::select(vec![-1.0, 0.4, 1.0])),
         ) {
             let (corner, sides) = (DVec2::from(corner), turns.map(DVec2::from_angle));
             let sine = sides[0].perp_dot(sides[1]);
