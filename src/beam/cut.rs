@@ -53,7 +53,7 @@ pub(super) struct Cutting<'c> {
 impl Cutting<'_> {
     /// Where it comes to an end, sooner or later, at a plane that may be off, and of which its corners are as far outside as [`outside`] says.
     pub(super) fn at(&self, exit: &Plane, [least, most]: [f64; 2]) -> Option<Cut> {
-        let reach = exit.off * exit.size;
+        let reach = exit.off.faces * exit.size;
         if most <= -reach || least >= reach {
             return None;
         }
@@ -120,6 +120,7 @@ impl Cut {
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::screen::Off;
     use super::*;
 
     const SIZE: i32 = 48;
@@ -135,7 +136,8 @@ mod tests {
         ) {
             // The camera's coordinates are those of the world.
             let corners = corners.map(|(x, y, z)| DVec3::new(x * z, y * z, z));
-            let plane = Plane { size: DVec3::from(normal).length(), grows: normal, away: -away, off };
+            let size = DVec3::from(normal).length();
+            let plane = Plane { size, grows: normal, away: -away, off: Off { at_edges: 0.0, faces: off } };
             let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]));
             let all: DVec3 = sides.into_iter().sum();
             let size = corners[0].dot(all);

@@ -539,8 +539,8 @@ impl<'a> Detail<'a> {
             if most > OUTSIDE * exit.size {
                 bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
-            if exit.off > 0.0 {
-                is_within &= least < exit.off * exit.size;
+            if exit.off.faces > 0.0 {
+                is_within &= least < exit.off.faces * exit.size;
                 drawn.cuts.extend(polygon.at(exit, [least, most]));
             }
         }

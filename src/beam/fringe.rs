@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec2, DVec3};
 
 use super::rows::{Line, free_parts};
-use super::screen::{Plane, Screen};
+use super::screen::{Off, Plane, Screen};
 use super::shade::{Show, UNSURE};
 use super::walk::corner;
 use crate::format::Views;
@@ -158,19 +158,27 @@ impl Fringe {
         self.0 == 0.0
     }
 
-    /// How far a plane may be off of which all that matters is a face, in that plane but for roundings.
-    pub(crate) fn of_face(self) -> f64 {
-        self.0
-    }
-
-    /// The same of one in which one thing ends and another begins: it stands for the edge where these meet.
-    pub(crate) fn of_border(self) -> f64 {
+    /// An edge that stands for one where other planes meet.
+    fn at_border(self) -> f64 {
         AT_EDGES * self.0
     }
 
-    /// The same of a side or an end of a cell, by what rays meet there: [`NONE`] where they go on.
-    pub(crate) fn of(self, sources: impl IntoIterator<Item = u32>) -> f64 {
-        if sources.into_iter().any(|source| source == NONE) { self.of_border() } else { self.of_face() }
+    /// A plane at which one face of the cell ends and another begins.
+    pub(crate) fn of_border(self) -> Off {
+        Off { at_edges: self.at_border(), faces: 0.0 }
+    }
+
+    /// The plane of a side or an end of the cell, by what rays meet there: [`NONE`] where they go on. Where they do, another plane may end that of a face beside it.
+    pub(crate) fn of(self, sources: impl IntoIterator<Item = u32>) -> Off {
+        if self.is_none() {
+            return Off::default();
+        }
+        let (mut any, mut all) = (false, true);
+        for goes_on in sources.into_iter().map(|source| source == NONE) {
+            any |= goes_on;
+            all &= goes_on;
+        }
+        Off { at_edges: if any { self.at_border() } else { self.0 }, faces: if all { 0.0 } else { self.0 } }
     }
 
     /// By how much the line [past](Screen::past) a corner may be another at a pixel, as a line; `None` if it is exact. The sides that meet there go this way, and
@@ -183,16 +191,16 @@ impl Fringe {
         }
         let (ahead, [(one, one_off), (other, other_off)]) = (way.normalize_or_zero(), sides);
         let sine = one.perp_dot(other).abs() / (one.length() * other.length());
-        let is_told = sine >= SHARP && one_off.max(other_off) <= self.of_face();
+        let is_told = sine >= SHARP && one_off.max(other_off) <= self.0;
         let off = if is_told {
             // A side moved along its normal moves the corner along the other side; what matters is how far across the way.
             let across = |side: DVec2| side.normalize().perp_dot(ahead).abs();
             (one_off * across(other) + other_off * across(one)) / sine
         } else {
-            self.of_border()
+            self.at_border()
         };
         // Moved along the way, too, a corner near the eye is passed in another direction.
-        let off = off * (1.0 + (self.of_border() / way.length()).min(1.0));
+        let off = off * (1.0 + (self.at_border() / way.length()).min(1.0));
         Some(Line(screen.along((ahead * off).extend(0.0))))
     }
 }
@@ -203,11 +211,11 @@ impl Fringe {
 /// Moved by `d` along its unit normal a plane changes that line, at each pixel, by `d` times how the other plane grows there: no matter at which angle they
 /// meet, how far away, and from where that is seen.
 pub(crate) fn between(one: &Plane, other: &Plane) -> Option<Line> {
-    if one.off == 0.0 && other.off == 0.0 {
+    if one.off.at_edges == 0.0 && other.off.at_edges == 0.0 {
         return None;
     }
     // What a ray comes to grows nearer along it.
-    let share = |of: &Plane, to: &Plane| -(of.off * of.size).copysign(to.away);
+    let share = |of: &Plane, to: &Plane| -(of.off.at_edges * of.size).copysign(to.away);
     let [by_one, by_other] = [share(one, other), share(other, one)];
     Some(Line([0, 1, 2].map(|i| by_one * other.grows[i] + by_other * one.grows[i])))
 }
@@ -339,7 +347,7 @@ mod tests {
             // The eye stays on the same side of both.
             prop_assume!([0, 1].iter().all(|&i| away[i].abs() > offs[i] * sizes[i]));
             let plane = |i: usize, share: f64| {
-                SCREEN.plane(normals[i], away[i] + share * offs[i] * sizes[i]).off_by(offs[i])
+                SCREEN.plane(normals[i], away[i] + share * offs[i] * sizes[i]).off_by(Off { at_edges: offs[i], faces: 0.0 })
             };
             let [exit, other] = [plane(0, 0.0), plane(1, 0.0)];
             let [moved_exit, moved_other] = [plane(0, shares[0]), plane(1, shares[1])];

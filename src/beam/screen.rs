@@ -83,7 +83,7 @@ impl Screen {
 
     /// The plane with the outward `normal`, outside of which the eye is by `away` times the normal's length.
     pub(crate) fn plane(&self, normal: DVec3, away: f64) -> Plane {
-        Plane { size: normal.length(), grows: self.along(normal), away, off: 0.0 }
+        Plane { size: normal.length(), grows: self.along(normal), away, off: Off::default() }
     }
 }
 
@@ -96,8 +96,17 @@ pub(crate) struct Plane {
     pub(crate) grows: [f64; 3],
     /// How far outside the eye is; negative inside.
     pub(crate) away: f64,
-    /// How far, metres, it may be off what it stands for: 0 if that is told exactly.
-    pub(crate) off: f64,
+    /// How far, metres, it may be off.
+    pub(crate) off: Off,
+}
+
+/// How far a plane of a cell may be off what it stands for, metres: 0 where that is exact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Off {
+    /// Where it meets other planes.
+    pub(crate) at_edges: f64,
+    /// The faces in it; 0 if there are none, so that what crosses it goes on beyond.
+    pub(crate) faces: f64,
 }
 
 impl Plane {
@@ -122,7 +131,7 @@ impl Plane {
     }
 
     /// The same plane, off by so much.
-    pub(crate) fn off_by(self, off: f64) -> Plane {
+    pub(crate) fn off_by(self, off: Off) -> Plane {
         Plane { off, ..self }
     }
 

@@ -13,7 +13,7 @@ use super::kernels::Kernels;
 use super::outer::Outer;
 use super::parting::{By, Part, Partings};
 use super::rows::{Arena, Line, Region};
-use super::screen::{Plane, Screen};
+use super::screen::{Off, Plane, Screen};
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::{NONE, Prisms};
@@ -506,15 +506,12 @@ impl<'a, P: Paint> Walker<'a, P> {
 }
 
 /// How far the upright plane over a side may be off.
-pub(crate) fn off_of_side(prisms: &Prisms<'_>, side: &SideRecord, fringe: Fringe) -> f64 {
-    if fringe.is_none() { 0.0 } else { fringe.of(prisms.faces_of(side).iter().map(|face| face.source)) }
+pub(crate) fn off_of_side(prisms: &Prisms<'_>, side: &SideRecord, fringe: Fringe) -> Off {
+    fringe.of(prisms.faces_of(side).iter().map(|face| face.source))
 }
 
 /// The same of a cell's floor and ceiling.
-pub(crate) fn offs_of_ends(prisms: &Prisms<'_>, cell: &CellRecord, fringe: Fringe) -> [f64; 2] {
-    if fringe.is_none() {
-        return [0.0; 2];
-    }
+pub(crate) fn offs_of_ends(prisms: &Prisms<'_>, cell: &CellRecord, fringe: Fringe) -> [Off; 2] {
     let (below, above) = prisms.covers_of(cell);
     [below, above].map(|covers| fringe.of(covers.iter().map(|cover| cover.source)))
 }
@@ -524,7 +521,7 @@ pub(crate) fn meeting_at(sides: &[SideRecord], planes: &[Plane], side: usize) ->
     let before = if side == 0 { sides.len() - 1 } else { side - 1 };
     [before, side].map(|side| {
         let next = if side + 1 < sides.len() { side + 1 } else { 0 };
-        (corner(&sides[next]) - corner(&sides[side]), planes[side].off)
+        (corner(&sides[next]) - corner(&sides[side]), planes[side].off.at_edges)
     })
 }
 
