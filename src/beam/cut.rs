@@ -104,7 +104,7 @@ fn is_along(normals: [DVec3; 2]) -> bool {
 }
 
 impl Cut {
-    /// From which column of a row up to which it is, of those from one up to another: within the polygon's sides, and within the planes of all cuts of it.
+    /// From which column of a row up to which it is, of those from one up to another: within the bounds of the polygon, and within the planes of all cuts of it.
     pub(super) fn part(&self, row: i32, columns: [i32; 2], (sides, all): (&[Bound], &[Cut])) -> [i32; 2] {
         let columns = self.bounds.iter().fold(columns, |part, bound| bound.within(part, row));
         // Hardly ever there is any pixel.

@@ -167,6 +167,8 @@ pub(crate) struct Drawn {
     /// Whether it is known that one doesn't see through it.
     pub(super) is_opaque: bool,
     pub(super) deep: Deep,
+    /// So many of the bounds are its sides, and the planes of its cell that have no faces.
+    pub(super) within: usize,
     /// Where it may have come to an end a little before, or may do so a little later.
     pub(super) cuts: Vec<Cut>,
 }
@@ -183,6 +185,7 @@ impl Drawn {
             color: None,
             is_opaque: false,
             deep,
+            within: 0,
             cuts: Vec::new(),
         }
     }
@@ -534,15 +537,23 @@ impl<'a> Detail<'a> {
         let polygon = Cutting { corners: seen, near, is_before, rows, camera: &self.camera };
         let mut is_within = true;
         drawn.cuts.clear();
-        for exit in exits.0.iter().filter(|exit| exit.is_exit()) {
+        let exits = || exits.0.iter().filter(|exit| exit.is_exit());
+        // First those without faces: beyond them other cells cut it.
+        for exit in exits().filter(|exit| exit.off.faces == 0.0) {
             let [least, most] = outside(exit, seen);
             if most > OUTSIDE * exit.size {
                 bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
-            if exit.off.faces > 0.0 {
-                is_within &= least < exit.off.faces * exit.size;
-                drawn.cuts.extend(polygon.at(exit, [least, most]));
+            is_within &= least < exit.off.at_edges * exit.size;
+        }
+        drawn.within = bounds.len();
+        for exit in exits().filter(|exit| exit.off.faces > 0.0) {
+            let [least, most] = outside(exit, seen);
+            if most > OUTSIDE * exit.size {
+                bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
             }
+            is_within &= least < exit.off.faces * exit.size;
+            drawn.cuts.extend(polygon.at(exit, [least, most]));
         }
         if !is_within {
             drawn.cuts.clear();

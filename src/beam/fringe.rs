@@ -4,6 +4,7 @@
 //! How far a cell is off what it was cut around is measured once, when a beam first comes there. Where that is nothing, as in models whose corners are on
 //! the lattice, lines of the picture are exact, and no pixel is near enough.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec2, DVec3};
@@ -13,14 +14,14 @@ use super::screen::{Off, Plane, Screen};
 use super::shade::{Show, UNSURE};
 use super::walk::corner;
 use crate::format::Views;
-use crate::format::records::{CellRecord, PLAIN, PlaneRecord, SourceRecord};
+use crate::format::records::{CellRecord, PLAIN, PlaneRecord, SideRecord, SourceRecord};
 use crate::trace::{NONE, Prisms};
 
 /// What cells are off by less, metres, is rounding.
 const EXACT: f64 = 1e-8;
 
-/// An edge where something else ends than the planes that meet there tell is off by no more than so many times as far as what ends, if its faces meet at an angle of 60
-/// to 120 degrees: at right angles by the root of two. Flatter and sharper ones may be off by more.
+/// A line of a cell may stand for an edge where planes meet that are not this cell's: that is off by no more than so many times as far as these, if they meet at an
+/// angle of 60 to 120 degrees; at right angles by the root of two. Flatter and sharper ones may be off by more.
 const AT_EDGES: f64 = 2.0;
 
 /// How far cells are off, metres, as bits of f32; or, where nobody came yet, [`NONE`].
@@ -46,46 +47,46 @@ impl Measured {
     }
 }
 
-/// How far each cell's faces are off.
+/// How far the planes of each cell are off.
 pub(crate) struct Fringes {
-    /// By its own faces alone.
+    /// Metres, by a cell's own faces alone.
     own: Measured,
     /// By those of the cells around it, too.
-    all: Measured,
+    all: Vec<OnceLock<Fringe>>,
 }
 
 impl Fringes {
     /// Of so many cells.
     pub(crate) fn new(cells: usize) -> Fringes {
-        Fringes { own: Measured::new(cells), all: Measured::new(cells) }
+        Fringes { own: Measured::new(cells), all: (0..cells).map(|_| OnceLock::new()).collect() }
     }
 
     /// All of them exact.
     #[cfg(test)]
     pub(super) fn exact(cells: usize) -> Fringes {
-        let fringes = Fringes::new(cells);
-        fringes.all.0.iter().for_each(|cell| cell.store(0, Ordering::Relaxed));
-        fringes
+        let exact = (0..cells).map(|_| OnceLock::from(Fringe::default())).collect();
+        Fringes { all: exact, ..Fringes::new(cells) }
     }
 
-    /// How far the faces of a cell of air are off what it was cut around, metres; 0 if they are not, and of other cells. Where a wall of it ends at a portal, the wall
+    /// How far the planes of a cell of air are off what it was cut around; those of other cells are exact. Where a wall of it ends at a portal, the wall
     /// that it ends at may be that of the cell beyond.
-    pub(crate) fn of(&self, tables: &Views, cell: u32) -> f64 {
-        self.all.of(cell, || {
+    pub(crate) fn of(&self, tables: &Views, cell: u32) -> &Fringe {
+        self.all[cell as usize].get_or_init(|| {
             let cells = &tables.cells;
-            if cells[cell as usize].kind != CellRecord::AIR {
-                return 0.0;
+            let record = &cells[cell as usize];
+            if record.kind != CellRecord::AIR {
+                return Fringe::default();
             }
             let (prisms, mut has_faces) = (Prisms::new(tables), false);
-            let mut most = self.own.of(cell, || off(tables, &cells[cell as usize]));
-            for (beyond, source, _) in prisms.beyond(&cells[cell as usize]) {
+            let mut most = self.own.of(cell, || off(tables, record));
+            for (beyond, source, _) in prisms.beyond(record) {
                 has_faces |= source != NONE;
                 if source == NONE && cells[beyond as usize].kind == CellRecord::AIR {
                     most = most.max(self.own.of(beyond, || off(tables, &cells[beyond as usize])));
                 }
             }
             // Between portals all that matters is told where they lead.
-            if has_faces { most } else { 0.0 }
+            if has_faces && most > 0.0 { Fringe::new(most, &prisms, record) } else { Fringe::default() }
         })
     }
 }
@@ -115,7 +116,7 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
         is_off |= !few.iter().all(|&triangle| corners_of(triangle).into_iter().all(is_on_lattice));
         // Of a face that is not in one plane that of one of its triangles says nothing.
         if flags & PLAIN == 0 || plane == NONE {
-            most = most.max(prisms.rounding());
+            most = most.max(2.0 * prisms.rounding());
             return;
         }
         let [a, b, c] = corners_of(plane);
@@ -143,73 +144,147 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
     if most > EXACT || is_off { most.max(0.5 * step) } else { 0.0 }
 }
 
-/// How far the planes of a cell are off what it was cut around, metres.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fringe(f64);
+/// How far the planes of a cell are off what it was cut around.
+#[derive(Debug, Default)]
+pub(crate) struct Fringe {
+    /// Its faces, metres.
+    off: f64,
+    /// Each of its planes, those of its sides first, then its floor's and its ceiling's; none if all are exact.
+    planes: Box<[Meets]>,
+}
 
-impl Fringe {
-    /// Of a cell whose faces are off by so much, as [`Fringes::of`].
-    pub(crate) fn new(off: f64) -> Fringe {
-        Fringe(off)
-    }
+/// What rays meet in a plane of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meets {
+    Faces,
+    /// Nothing: all go on.
+    Portals,
+    Both,
+}
 
-    /// Whether all are exact.
-    pub(crate) fn is_none(self) -> bool {
-        self.0 == 0.0
-    }
-
-    /// An edge that stands for one where other planes meet.
-    fn at_border(self) -> f64 {
-        AT_EDGES * self.0
-    }
-
-    /// A plane at which one face of the cell ends and another begins.
-    pub(crate) fn of_border(self) -> Off {
-        Off { at_edges: self.at_border(), faces: 0.0 }
-    }
-
-    /// The plane of a side or an end of the cell, by what rays meet there: [`NONE`] where they go on. Where they do, another plane may end that of a face beside it.
-    pub(crate) fn of(self, sources: impl IntoIterator<Item = u32>) -> Off {
-        if self.is_none() {
-            return Off::default();
-        }
+impl Meets {
+    /// By whether rays go on through each part of the plane.
+    fn of(parts: impl Iterator<Item = bool>) -> Meets {
         let (mut any, mut all) = (false, true);
-        for goes_on in sources.into_iter().map(|source| source == NONE) {
+        for goes_on in parts {
             any |= goes_on;
             all &= goes_on;
         }
-        Off { at_edges: if any { self.at_border() } else { self.0 }, faces: if all { 0.0 } else { self.0 } }
+        match (any, all) {
+            (_, true) => Meets::Portals,
+            (true, _) => Meets::Both,
+            _ => Meets::Faces,
+        }
+    }
+}
+
+impl Fringe {
+    /// Of a cell whose faces are off by so much, metres.
+    fn new(off: f64, prisms: &Prisms<'_>, cell: &CellRecord) -> Fringe {
+        let goes_on = |beyond: u32, source: u32| {
+            source == NONE && prisms.cells[beyond as usize].kind != CellRecord::SOLID
+        };
+        let sides = prisms
+            .sides_of(cell)
+            .iter()
+            .map(|side| Meets::of(prisms.faces_of(side).iter().map(|face| goes_on(face.cell, face.source))));
+        let (below, above) = prisms.covers_of(cell);
+        let ends = [below, above]
+            .into_iter()
+            .map(|covers| Meets::of(covers.iter().map(|cover| goes_on(cover.cell, cover.source))));
+        Fringe { off, planes: sides.chain(ends).collect() }
     }
 
-    /// By how much the line [past](Screen::past) a corner may be another at a pixel, as a line; `None` if it is exact. The sides that meet there go this way, and
-    /// are off by so much. It is the longer the farther from the eye a pixel's ray has come when it passes the corner, and negative at those that go away from it.
-    pub(crate) fn past(self, screen: &Screen, way: DVec2, sides: [(DVec2, f64); 2]) -> Option<Line> {
-        /// The sine of the angle at which walls meet at least, so that they tell where.
-        const SHARP: f64 = 0.5;
-        if self.is_none() {
+    /// How far its faces are off, metres.
+    #[cfg(test)]
+    pub(super) fn of_faces(&self) -> f64 {
+        self.off
+    }
+
+    /// What stands for an edge where planes meet that are not this cell's, as where a wall ends beyond a portal.
+    fn at_border(&self) -> f64 {
+        AT_EDGES * self.off
+    }
+
+    /// A plane at which one face of the cell ends and another begins.
+    pub(crate) fn of_border(&self) -> Off {
+        Off { at_edges: self.at_border(), faces: 0.0 }
+    }
+
+    /// The plane of this one of the cell's sides, or, after these, of its floor and its ceiling.
+    pub(crate) fn of(&self, plane: usize) -> Off {
+        match self.planes.get(plane) {
+            None => Off::default(),
+            Some(Meets::Faces) => Off { at_edges: self.off, faces: self.off },
+            Some(Meets::Both) => Off { at_edges: self.at_border(), faces: self.off },
+            Some(Meets::Portals) => self.of_border(),
+        }
+    }
+
+    /// By how much the line [past](Screen::past) the corner at which a side begins may be another at a pixel, as a line; `None` if it is exact. It grows with how fast the
+    /// pixel's ray goes toward the corner, and is negative where that goes away from it.
+    fn past(&self, screen: &Screen, sides: &[SideRecord], side: usize, way: DVec2) -> Option<Line> {
+        if self.planes.is_empty() {
             return None;
         }
-        let (ahead, [(one, one_off), (other, other_off)]) = (way.normalize_or_zero(), sides);
-        let sine = one.perp_dot(other).abs() / (one.length() * other.length());
-        let is_told = sine >= SHARP && one_off.max(other_off) <= self.0;
-        let off = if is_told {
-            // A side moved along its normal moves the corner along the other side; what matters is how far across the way.
-            let across = |side: DVec2| side.normalize().perp_dot(ahead).abs();
-            (one_off * across(other) + other_off * across(one)) / sine
-        } else {
-            self.at_border()
+        let before = if side == 0 { sides.len() - 1 } else { side - 1 };
+        let meeting = [before, side].map(|side| {
+            let next = if side + 1 < sides.len() { side + 1 } else { 0 };
+            (corner(&sides[next]) - corner(&sides[side]), self.planes[side] == Meets::Faces)
+        });
+        let off = match meeting {
+            [(one, true), (other, true)] => meeting_off(self.off, [one, other], way),
+            // A wall may end there that is not this cell's.
+            _ => [self.at_border(); 2],
         };
-        // Moved along the way, too, a corner near the eye is passed in another direction.
-        let off = off * (1.0 + (self.at_border() / way.length()).min(1.0));
-        Some(Line(screen.along((ahead * off).extend(0.0))))
+        Some(past_by(screen, way, off))
+    }
+}
+
+/// How far the corner of two walls, which go these ways, is off across a way, and along it, if each is off by so much.
+fn meeting_off(off: f64, walls: [DVec2; 2], way: DVec2) -> [f64; 2] {
+    /// The sine of the angle at which they are taken to meet at least: what is flatter is a corner because it is rounded to one.
+    const SHARP: f64 = 0.5;
+    let [one, other] = walls.map(DVec2::normalize_or_zero);
+    let (ahead, sine) = (way.normalize_or_zero(), one.perp_dot(other).abs());
+    // A wall moved along its normal moves the corner along the other one.
+    let share = |of: f64, by: f64| off * (of.abs() + by.abs()) / sine.max(SHARP);
+    let across = share(one.perp_dot(ahead), other.perp_dot(ahead));
+    let along = share(one.dot(ahead), other.dot(ahead));
+    let least = if sine < SHARP { AT_EDGES * off } else { 0.0 };
+    [across.max(least), along.max(least)]
+}
+
+/// By how much the line past a corner, to which this is the way, may be another at a pixel, if that is so far off across the way and along it.
+fn past_by(screen: &Screen, way: DVec2, [across, along]: [f64; 2]) -> Line {
+    // As seen from the eye it is the farther off the nearer it may be.
+    let nearer = (along / way.length()).min(0.9);
+    Line(screen.along((way.normalize_or_zero() * (across / (1.0 - nearer))).extend(0.0)))
+}
+
+/// A corner of a cell as a picture sees it.
+pub(crate) struct Past {
+    /// The way to it, seen from above.
+    pub(crate) way: DVec2,
+    /// Rays to the left of it are on this line's positive side.
+    pub(crate) line: Line,
+    /// By how much that may be another, as a line; `None` if it is exact.
+    pub(crate) off: Option<Line>,
+}
+
+impl Past {
+    /// The corner at which one of these sides of a cell begins.
+    pub(crate) fn new(screen: &Screen, sides: &[SideRecord], side: usize, fringe: &Fringe) -> Past {
+        let (way, line) = screen.past(corner(&sides[side]));
+        Past { way, line, off: fringe.past(screen, sides, side, way) }
     }
 }
 
 /// By how much the line where two planes meet, as [`Plane::beyond_at`] has it, may be another at a pixel, as a line; `None` if it is exact. It is negative at pixels
-/// whose rays come to neither plane: that line is not there.
+/// whose rays come to neither plane: that line is not there. The eye is farther from each than that is off.
 ///
-/// Moved by `d` along its unit normal a plane changes that line, at each pixel, by `d` times how the other plane grows there: no matter at which angle they
-/// meet, how far away, and from where that is seen.
+/// Moved by `d` along its normal a plane changes that line, at each pixel, by `d` times the normal's size, times how the other plane grows there: no matter at which angle
+/// they meet, how far away, and from where that is seen.
 pub(crate) fn between(one: &Plane, other: &Plane) -> Option<Line> {
     if one.off.at_edges == 0.0 && other.off.at_edges == 0.0 {
         return None;
@@ -373,9 +448,8 @@ mod tests {
             let (corner, sides) = (DVec2::from(corner), turns.map(DVec2::from_angle));
             let sine = sides[0].perp_dot(sides[1]);
             prop_assume!(sine.abs() > 0.5 && off > 0.0);
-            let offs = sides.map(|side| (side, off));
             let (way, line) = SCREEN.past(corner);
-            let past = Fringe::new(off).past(&SCREEN, way, offs).unwrap();
+            let past = past_by(&SCREEN, way, meeting_off(off, sides, way));
             // Each of the sides along its normal.
             let moved = corner + (sides[1] * shares[0] - sides[0] * shares[1]) * (off / sine);
             let (_, moved) = SCREEN.past(moved);

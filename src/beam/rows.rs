@@ -153,7 +153,7 @@ impl Arena {
         if u > 0.0 { (right, left) } else { (left, right) }
     }
 
-    /// Gives `take` the pixels of a region at which one line is no farther from 0 than another is above it: the row, and from which column up to which.
+    /// Gives `take` the pixels of a region at which one line is as near to 0 as another one says: the row, and from which column up to which.
     pub(super) fn near(
         &self,
         kernels: &Kernels,

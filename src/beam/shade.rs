@@ -336,7 +336,7 @@ impl Pen for Pencil<'_, '_> {
     }
 
     fn cut(&mut self, drawn: &Drawn) {
-        let of = (&drawn.deep.bounds[..drawn.count + 2], drawn.cuts.as_slice());
+        let of = (&drawn.deep.bounds[..drawn.within], drawn.cuts.as_slice());
         let [across, down, first] = drawn.deep.near;
         for cut in &drawn.cuts {
             let [lo, hi] = self.arena.borders(&self.region.within(cut.rows));

@@ -572,17 +572,17 @@ fn pictures_and_hits_on_the_edges_of_leaning_walls_are_those_of_rays() {
 fn cells_are_off_where_their_walls_are() {
     let off = |scene: &Scene| {
         let fringes = Fringes::new(scene.tables.cells.len());
-        let all: Vec<f64> =
-            (0..scene.tables.cells.len() as u32).map(|cell| fringes.of(&scene.tables, cell)).collect();
+        let of = |cell: u32| fringes.of(&scene.tables, cell);
+        let all: Vec<f64> = (0..scene.tables.cells.len() as u32).map(|cell| of(cell).of_faces()).collect();
         // Measured once.
-        assert!((0..).zip(&all).all(|(cell, &off)| fringes.of(&scene.tables, cell) == off));
+        assert!((0..).zip(&all).all(|(cell, &off)| of(cell).of_faces() == off));
         all
     };
     assert!(off(Sample::House.scene()).iter().all(|&off| off == 0.0));
     let drawn = Sample::House.drawn(1);
     let step = drawn.tables.scene[0].lattice_step();
     let all = off(drawn);
-    assert!(all.iter().all(|&off| off == 0.0 || (step..1e-3).contains(&off)), "{all:?}");
+    assert!(all.iter().all(|&off| off == 0.0 || (0.5 * step..1e-3).contains(&off)), "{all:?}");
     assert!(all.iter().filter(|&&off| off > 0.0).count() > all.len() / 3, "{all:?}");
 }
 

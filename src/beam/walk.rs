@@ -7,13 +7,13 @@
 use glam::{DVec2, DVec3};
 
 use super::cut::Exits;
-use super::fringe::{Fringe, Fringes, between};
+use super::fringe::{Fringe, Fringes, Past, between};
 use super::hull::{Entries, Hull, Side};
 use super::kernels::Kernels;
 use super::outer::Outer;
 use super::parting::{By, Part, Partings};
 use super::rows::{Arena, Line, Region};
-use super::screen::{Off, Plane, Screen};
+use super::screen::{Plane, Screen};
 use crate::format::Views;
 use crate::format::records::{CellRecord, CoverRecord, PLAIN, SideRecord};
 use crate::trace::{NONE, Prisms};
@@ -97,8 +97,6 @@ pub(super) struct Walker<'a, P> {
     space: &'a mut Space,
     paint: &'a mut P,
     known: &'a Known,
-    /// How far off the planes are of the cell that is looked at.
-    fringe: Fringe,
     /// What lies around the prisms.
     around: Around<'a>,
 }
@@ -136,8 +134,7 @@ impl<'a, P: Paint> Walker<'a, P> {
         paint: &'a mut P,
         (known, around): (&'a Known, Around<'a>),
     ) -> Self {
-        let (prisms, fringe) = (Prisms::new(tables), Fringe::new(0.0));
-        Walker { tables, prisms, screen, kernels, space, paint, known, fringe, around }
+        Walker { tables, prisms: Prisms::new(tables), screen, kernels, space, paint, known, around }
     }
 
     /// Paints the band of rows from `first` up to `end` of a picture of this size, pixels, as seen from the cell `start`, which holds the eye, if one does.
@@ -203,16 +200,9 @@ impl<'a, P: Paint> Walker<'a, P> {
         self.split_off(region, other.beyond_at(exit), between(other, exit))
     }
 
-    /// Where rays pass the corner at which a side begins on the left, and on the right; the way to it, and the line through it.
-    fn split_past(
-        &mut self,
-        inside: &In<'_>,
-        side: usize,
-        region: Region,
-        (way, line): (DVec2, Line),
-    ) -> (Option<Region>, Option<Region>) {
-        let off = self.fringe.past(self.screen, way, meeting_at(inside.sides, inside.planes, side));
-        self.split_off(region, line, off)
+    /// Where rays pass a corner on the left, and on the right.
+    fn split_past(&mut self, region: Region, past: &Past) -> (Option<Region>, Option<Region>) {
+        self.split_off(region, past.line, past.off)
     }
 
     /// The floor (`up` is -1) or ceiling (1) of a cell.
@@ -319,19 +309,17 @@ impl<'a, P: Paint> Walker<'a, P> {
             self.outside(task.region);
             return;
         }
-        self.fringe = Fringe::new(self.known.fringes.of(self.tables, task.cell));
+        let fringe = self.known.fringes.of(self.tables, task.cell);
         let sides = prisms.sides_of(cell);
         let holds_eye = task.from == NONE;
         let settle = |plane: Plane| if holds_eye { plane.around_eye() } else { plane };
-        let [below, above] = offs_of_ends(&prisms, cell, self.fringe);
-        let floor = settle(self.level(cell.floor, -1.0)).off_by(below);
-        let ceiling = settle(self.level(cell.ceiling, 1.0)).off_by(above);
+        let floor = settle(self.level(cell.floor, -1.0)).off_by(fringe.of(sides.len()));
+        let ceiling = settle(self.level(cell.ceiling, 1.0)).off_by(fringe.of(sides.len() + 1));
         let mut planes = std::mem::take(&mut self.space.planes);
         planes.clear();
         for (index, side) in sides.iter().enumerate() {
             let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
-            let off = off_of_side(&prisms, side, self.fringe);
-            planes.push(settle(self.upright(corner(side), corner(next))).off_by(off));
+            planes.push(settle(self.upright(corner(side), corner(next))).off_by(fringe.of(index)));
         }
         planes.extend([floor, ceiling]);
         if cell.root != NONE {
@@ -343,7 +331,7 @@ impl<'a, P: Paint> Walker<'a, P> {
             );
         }
         planes.truncate(sides.len());
-        let inside = In { task, cell, sides, planes: &planes, ends: [floor, ceiling] };
+        let inside = In { task, cell, sides, planes: &planes, ends: [floor, ceiling], fringe };
         if planes.iter().all(Plane::is_exit) {
             self.all_around(&inside);
         } else {
@@ -352,39 +340,39 @@ impl<'a, P: Paint> Walker<'a, P> {
         self.space.planes = planes;
     }
 
-    /// The line through the eye's place in the plan and a corner: rays to the left of it, seen from above, are on its positive side.
-    fn past(&self, corner: DVec2) -> (DVec2, Line) {
-        self.screen.past(corner)
+    /// The corner at which a side begins.
+    fn past(&self, inside: &In<'_>, side: usize) -> Past {
+        Past::new(self.screen, inside.sides, side, inside.fringe)
     }
 
     /// The eye is over the footprint, below or in it: a plane through the first corner halves what can be seen, and on each half the sides follow
     /// each other.
     fn all_around(&mut self, inside: &In<'_>) {
         let count = inside.sides.len();
-        let past = self.past(corner(&inside.sides[0]));
-        let (zero, (left, right)) = (past.0, self.split_past(inside, 0, inside.task.region, past));
+        let past = self.past(inside, 0);
+        let (zero, (left, right)) = (past.way, self.split_past(inside.task.region, &past));
         let mut rest = left;
         for side in 0..count {
             let Some(region) = rest else { break };
             let next = if side + 1 < count { side + 1 } else { 0 };
-            let past = self.past(corner(&inside.sides[next]));
-            if next == 0 || zero.perp_dot(past.0) <= 0.0 {
+            let past = self.past(inside, next);
+            if next == 0 || zero.perp_dot(past.way) <= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (beyond, before) = self.split_past(inside, next, region, past);
+            let (beyond, before) = self.split_past(region, &past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
         let mut rest = right;
         for side in (0..count).rev() {
             let Some(region) = rest else { break };
-            let past = self.past(corner(&inside.sides[side]));
-            if side == 0 || zero.perp_dot(past.0) >= 0.0 {
+            let past = self.past(inside, side);
+            if side == 0 || zero.perp_dot(past.way) >= 0.0 {
                 self.column(inside, side, region);
                 break;
             }
-            let (before, beyond) = self.split_past(inside, side, region, past);
+            let (before, beyond) = self.split_past(region, &past);
             before.into_iter().for_each(|before| self.column(inside, side, before));
             rest = beyond;
         }
@@ -405,8 +393,8 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.column(inside, side % count, region);
                 return;
             }
-            let past = self.past(corner(&inside.sides[next]));
-            let (beyond, before) = self.split_past(inside, next, region, past);
+            let past = self.past(inside, next);
+            let (beyond, before) = self.split_past(region, &past);
             before.into_iter().for_each(|before| self.column(inside, side % count, before));
             let Some(beyond) = beyond else { return };
             region = beyond;
@@ -437,7 +425,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.leave(inside, &plane, to, region);
                 return;
             }
-            let top = self.level(face.top, 1.0).off_by(self.fringe.of_border());
+            let top = self.level(face.top, 1.0).off_by(inside.fringe.of_border());
             let (above, under) = self.split_at(region, &top, &plane);
             under.into_iter().for_each(|under| self.leave(inside, &plane, to, under));
             let Some(above) = above else { return };
@@ -472,7 +460,7 @@ impl<'a, P: Paint> Walker<'a, P> {
                 self.leave(inside, plane, To::new(cover.cell, cover.source, cover.flags), region);
             }
             Part::Split { by, right, left } => {
-                let by = self.splitting(by).off_by(self.fringe.of_border());
+                let by = self.splitting(by).off_by(inside.fringe.of_border());
                 let (outer, inner) = self.split_at(region, &by, plane);
                 for (region, at) in [(outer, right), (inner, left)] {
                     if let Some(region) = region {
@@ -505,26 +493,6 @@ impl<'a, P: Paint> Walker<'a, P> {
     }
 }
 
-/// How far the upright plane over a side may be off.
-pub(crate) fn off_of_side(prisms: &Prisms<'_>, side: &SideRecord, fringe: Fringe) -> Off {
-    fringe.of(prisms.faces_of(side).iter().map(|face| face.source))
-}
-
-/// The same of a cell's floor and ceiling.
-pub(crate) fn offs_of_ends(prisms: &Prisms<'_>, cell: &CellRecord, fringe: Fringe) -> [Off; 2] {
-    let (below, above) = prisms.covers_of(cell);
-    [below, above].map(|covers| fringe.of(covers.iter().map(|cover| cover.source)))
-}
-
-/// The sides that meet where one begins: which way they go, and how far they may be off.
-pub(crate) fn meeting_at(sides: &[SideRecord], planes: &[Plane], side: usize) -> [(DVec2, f64); 2] {
-    let before = if side == 0 { sides.len() - 1 } else { side - 1 };
-    [before, side].map(|side| {
-        let next = if side + 1 < sides.len() { side + 1 } else { 0 };
-        (corner(&sides[next]) - corner(&sides[side]), planes[side].off.at_edges)
-    })
-}
-
 /// What is beyond a part of a cell's surface.
 #[derive(Clone, Copy)]
 pub(crate) struct To {
@@ -548,6 +516,7 @@ struct In<'a> {
     sides: &'a [SideRecord],
     planes: &'a [Plane],
     ends: [Plane; 2],
+    fringe: &'a Fringe,
 }
 
 pub(crate) fn corner(side: &SideRecord) -> DVec2 {

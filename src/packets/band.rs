@@ -430,7 +430,7 @@ fn below<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3]) -> u64 {
     if doubt == 0 { bits } else { exactly_below(first, [u, v], (bits, doubt)) }
 }
 
-/// Which of the pixels of a leaf that starts at `from` are where a line is less than another is from 0. The same bits by every kernel.
+/// Which of the pixels of a leaf that starts at `from` are where one line is nearer to 0 than another one says. The same bits by every kernel.
 #[inline(always)]
 fn near<W: Wide>(from: [i32; 2], [u, v, w]: [f64; 3], [off_u, off_v, off_w]: [f32; 3]) -> u64 {
     let first = u * f64::from(from[0]) + v * f64::from(from[1]) + w;

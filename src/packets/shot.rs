@@ -64,8 +64,8 @@ impl Shot<'_> {
     }
 
     /// How far off the planes of a cell are.
-    pub(super) fn fringe(&self, cell: u32) -> Fringe {
-        Fringe::new(self.known.fringes.of(self.tables, cell))
+    pub(super) fn fringe(&self, cell: u32) -> &Fringe {
+        self.known.fringes.of(self.tables, cell)
     }
 
     /// How a source of faces looks in a plane.

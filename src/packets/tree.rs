@@ -5,12 +5,12 @@
 //! grows where rays come, once a picture; whoever waits at a place of it goes on from there.
 
 use super::shot::Shot;
-use crate::beam::fringe::{Fringe, between};
+use crate::beam::fringe::{Fringe, Past, between};
 use crate::beam::parting::Part;
 use crate::beam::rows::Line;
 use crate::beam::screen::Plane;
 use crate::beam::shade::Shading;
-use crate::beam::walk::{self as beam, To, corner, meeting_at, off_of_side, offs_of_ends};
+use crate::beam::walk::{self as beam, To, corner};
 use crate::format::records::{CellRecord, CoverRecord, SideRecord};
 use crate::trace::NONE;
 
@@ -18,7 +18,7 @@ use crate::trace::NONE;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Node {
     /// On which side of the line `u x + v y + w = 0`, in columns and rows, a pixel is: where to go on where that is no less than 0, and
-    /// where it is less. Nearer to 0 than this one of the `offs` says, or [`NONE`], rays tell what is shown.
+    /// where it is less. Where it is nearer to 0 than this one of the `offs`, or [`NONE`] of them, rays tell what is shown.
     Line { line: [f64; 3], off: u32, sides: [u32; 2] },
     /// From a cell, or [`NONE`], into another.
     Cell { from: u32, to: u32, next: u32 },
@@ -87,7 +87,7 @@ struct Inside<'a> {
     index: u32,
     sides: &'a [SideRecord],
     /// How far off its planes are.
-    fringe: Fringe,
+    fringe: &'a Fringe,
     /// The floor and the ceiling.
     ends: [Plane; 2],
     /// Where those go on that leave through them.
@@ -194,8 +194,7 @@ impl Tree {
         planes.clear();
         for (index, side) in sides.iter().enumerate() {
             let next = &sides[if index + 1 < sides.len() { index + 1 } else { 0 }];
-            let off = off_of_side(prisms, side, fringe);
-            planes.push(shot.screen.upright(corner(side), corner(next)).off_by(off));
+            planes.push(shot.screen.upright(corner(side), corner(next)).off_by(fringe.of(planes.len())));
         }
         if shot.start == Some(index) {
             planes.iter_mut().for_each(|plane| *plane = plane.around_eye());
@@ -226,12 +225,11 @@ impl Tree {
     fn all_around(&mut self, shot: &Shot<'_>, inside: &Inside<'_>, planes: &[Plane]) -> u32 {
         let count = inside.sides.len();
         let way = |side: usize| shot.screen.past(corner(&inside.sides[side])).0;
-        let (zero, line) = shot.screen.past(corner(&inside.sides[0]));
+        let Past { way: zero, line, off } = Past::new(&shot.screen, inside.sides, 0, inside.fringe);
         let last = (1..count).find(|&side| zero.perp_dot(way(side)) <= 0.0).unwrap_or(count) - 1;
         let first = (1..count).rev().find(|&side| zero.perp_dot(way(side)) >= 0.0).unwrap_or(0);
         let left = self.columns(shot, inside, planes, 0..=last);
         let right = self.columns(shot, inside, planes, first..=count - 1);
-        let off = inside.fringe.past(&shot.screen, zero, meeting_at(inside.sides, planes, 0));
         self.push_line(line, off, [left, right])
     }
 
@@ -259,27 +257,20 @@ impl Tree {
         columns.clear();
         let first = *sides.start();
         columns.extend(sides.map(|side| self.column(shot, inside, planes, side % inside.sides.len())));
-        let node = self.halves(shot, inside, planes, (&columns, first));
+        let node = self.halves(shot, inside, &columns, first);
         self.columns = columns;
         node
     }
 
-    fn halves(
-        &mut self,
-        shot: &Shot<'_>,
-        inside: &Inside<'_>,
-        planes: &[Plane],
-        (columns, first): (&[u32], usize),
-    ) -> u32 {
+    fn halves(&mut self, shot: &Shot<'_>, inside: &Inside<'_>, columns: &[u32], first: usize) -> u32 {
         if let [column] = columns {
             return *column;
         }
         let middle = columns.len() / 2;
-        let right = self.halves(shot, inside, planes, (&columns[..middle], first));
-        let left = self.halves(shot, inside, planes, (&columns[middle..], first + middle));
+        let right = self.halves(shot, inside, &columns[..middle], first);
+        let left = self.halves(shot, inside, &columns[middle..], first + middle);
         let side = (first + middle) % inside.sides.len();
-        let (way, line) = shot.screen.past(corner(&inside.sides[side]));
-        let off = inside.fringe.past(&shot.screen, way, meeting_at(inside.sides, planes, side));
+        let Past { line, off, .. } = Past::new(&shot.screen, inside.sides, side, inside.fringe);
         self.push_line(line, off, [left, right])
     }
 
@@ -368,7 +359,7 @@ impl Tree {
 fn end(shot: &Shot<'_>, cell: u32, end: u32) -> Plane {
     let record = &shot.prisms.cells[cell as usize];
     let (plane, up) = if end == 0 { (record.floor, -1.0) } else { (record.ceiling, 1.0) };
-    let off = offs_of_ends(&shot.prisms, record, shot.fringe(cell))[end as usize];
+    let off = shot.fringe(cell).of(shot.prisms.sides_of(record).len() + end as usize);
     let plane = shot.screen.level(shot.prisms.plane(plane), up).off_by(off);
     if shot.start == Some(cell) { plane.around_eye() } else { plane }
 }

@@ -375,7 +375,7 @@ impl<'s> Query<'s> {
         } else {
             walk.looks_against(surface.triangle, normal)
         };
-        // The other parts of an element may go on in the same plane, over its own.
+        // Parts of one element may overlap in a plane: wound alike, they are one face there.
         let is_one_face =
             || walk.are_of_one(index, surface.triangle) && !walk.looks_against(surface.triangle, normal);
         let is_own = volume != NONE && (volume == walk.volume_of(surface.triangle) || is_one_face());
