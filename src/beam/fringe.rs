@@ -114,9 +114,9 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
         let few = &tables.surfaces[first as usize..][..count.min(SourceRecord::FEW) as usize];
         let is_on_lattice = |p: DVec3| (p - (p / step).round() * step).abs().max_element() <= EXACT;
         is_off |= !few.iter().all(|&triangle| corners_of(triangle).into_iter().all(is_on_lattice));
-        // Of a face that is not in one plane that of one of its triangles says nothing.
+        // Of a face that is not in one plane that of one of its triangles says nothing; it is drawn by all of them, and its cell's plane is only where it ends.
         if flags & PLAIN == 0 || plane == NONE {
-            most = most.max(2.0 * prisms.rounding());
+            most = most.max(prisms.rounding());
             return;
         }
         let [a, b, c] = corners_of(plane);
