@@ -114,14 +114,19 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
         let few = &tables.surfaces[first as usize..][..count.min(SourceRecord::FEW) as usize];
         let is_on_lattice = |p: DVec3| (p - (p / step).round() * step).abs().max_element() <= EXACT;
         is_off |= !few.iter().all(|&triangle| corners_of(triangle).into_iter().all(is_on_lattice));
-        // Of a face that is not in one plane that of one of its triangles says nothing; it is drawn by all of them, and its cell's plane is only where it ends.
-        if flags & PLAIN == 0 || plane == NONE {
-            most = most.max(prisms.rounding());
-            return;
-        }
-        let [a, b, c] = corners_of(plane);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        most = corners.fold(most, |most, corner| most.max((corner - a).dot(normal).abs()));
+        let off_plane = |triangle: u32, corner: DVec3| {
+            let [a, b, c] = corners_of(triangle);
+            (corner - a).dot((b - a).cross(c - a).normalize_or_zero()).abs()
+        };
+        // Of a face that is not in one plane that of one of its triangles says nothing: that of the nearest tells.
+        let is_plain = flags & PLAIN != 0 && plane != NONE;
+        let planes = if is_plain { std::slice::from_ref(&plane) } else { few };
+        let off = |corner: DVec3| {
+            planes.iter().map(|&plane| off_plane(plane, corner)).fold(f64::INFINITY, f64::min)
+        };
+        let least = if is_plain { 0.0 } else { prisms.rounding() };
+        let all = corners.map(off).filter(|off| off.is_finite()).fold(least, f64::max);
+        most = most.max(all.min(tables.scene[0].tolerance.max(least)));
     };
     for (index, side) in sides.iter().enumerate() {
         for face in prisms.faces_of(side) {
