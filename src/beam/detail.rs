@@ -537,23 +537,23 @@ impl<'a> Detail<'a> {
         let polygon = Cutting { corners: seen, near, is_before, rows, camera: &self.camera };
         let mut is_within = true;
         drawn.cuts.clear();
-        let exits = || exits.0.iter().filter(|exit| exit.is_exit());
-        // First those without faces: beyond them other cells cut it.
-        for exit in exits().filter(|exit| exit.off.faces == 0.0) {
-            let [least, most] = outside(exit, seen);
-            if most > OUTSIDE * exit.size {
-                bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
+        // First the exits without faces: beyond them other cells cut it.
+        for has_faces in [false, true] {
+            let exits = exits.0.iter().filter(|exit| exit.is_exit());
+            for exit in exits.filter(|exit| (exit.off.faces > 0.0) == has_faces) {
+                let [least, most] = outside(exit, seen);
+                if most > OUTSIDE * exit.size {
+                    bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
+                }
+                let reach = if has_faces { exit.off.faces } else { exit.off.at_edges };
+                is_within &= least < reach * exit.size;
+                if has_faces {
+                    drawn.cuts.extend(polygon.at(exit, [least, most]));
+                }
             }
-            is_within &= least < exit.off.at_edges * exit.size;
-        }
-        drawn.within = bounds.len();
-        for exit in exits().filter(|exit| exit.off.faces > 0.0) {
-            let [least, most] = outside(exit, seen);
-            if most > OUTSIDE * exit.size {
-                bounds.push(Bound::new(near + DVec3::from(exit.grows) / exit.away, &mut rows));
+            if !has_faces {
+                drawn.within = bounds.len();
             }
-            is_within &= least < exit.off.faces * exit.size;
-            drawn.cuts.extend(polygon.at(exit, [least, most]));
         }
         if !is_within {
             drawn.cuts.clear();

@@ -5,7 +5,6 @@
 //! the lattice, lines of the picture are exact, and no pixel is near enough.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec2, DVec3};
 
@@ -24,33 +23,10 @@ const EXACT: f64 = 1e-8;
 /// angle of 60 to 120 degrees; at right angles by the root of two. Flatter and sharper ones may be off by more.
 const AT_EDGES: f64 = 2.0;
 
-/// How far cells are off, metres, as bits of f32; or, where nobody came yet, [`NONE`].
-struct Measured(Vec<AtomicU32>);
-
-impl Measured {
-    fn new(cells: usize) -> Measured {
-        Measured((0..cells).map(|_| AtomicU32::new(NONE)).collect())
-    }
-
-    /// What `measure` says of a cell, which is asked once, or several times at once.
-    fn of(&self, cell: u32, measure: impl FnOnce() -> f64) -> f64 {
-        let known = &self.0[cell as usize];
-        let bits = match known.load(Ordering::Relaxed) {
-            NONE => {
-                let bits = (measure() as f32).to_bits();
-                known.store(bits, Ordering::Relaxed);
-                bits
-            }
-            bits => bits,
-        };
-        f64::from(f32::from_bits(bits))
-    }
-}
-
 /// How far the planes of each cell are off.
 pub(crate) struct Fringes {
     /// Metres, by a cell's own faces alone.
-    own: Measured,
+    own: Vec<OnceLock<f64>>,
     /// By those of the cells around it, too.
     all: Vec<OnceLock<Fringe>>,
 }
@@ -58,13 +34,13 @@ pub(crate) struct Fringes {
 impl Fringes {
     /// Of so many cells.
     pub(crate) fn new(cells: usize) -> Fringes {
-        Fringes { own: Measured::new(cells), all: (0..cells).map(|_| OnceLock::new()).collect() }
+        Fringes { own: vec![OnceLock::new(); cells], all: vec![OnceLock::new(); cells] }
     }
 
     /// All of them exact.
     #[cfg(test)]
     pub(super) fn exact(cells: usize) -> Fringes {
-        let exact = (0..cells).map(|_| OnceLock::from(Fringe::default())).collect();
+        let exact = vec![OnceLock::from(Fringe::default()); cells];
         Fringes { all: exact, ..Fringes::new(cells) }
     }
 
@@ -78,11 +54,12 @@ impl Fringes {
                 return Fringe::default();
             }
             let (prisms, mut has_faces) = (Prisms::new(tables), false);
-            let mut most = self.own.of(cell, || off(tables, record));
+            let own = |cell: u32| *self.own[cell as usize].get_or_init(|| off(tables, &cells[cell as usize]));
+            let mut most = own(cell);
             for (beyond, source, _) in prisms.beyond(record) {
                 has_faces |= source != NONE;
                 if source == NONE && cells[beyond as usize].kind == CellRecord::AIR {
-                    most = most.max(self.own.of(beyond, || off(tables, &cells[beyond as usize])));
+                    most = most.max(own(beyond));
                 }
             }
             // Between portals all that matters is told where they lead.
@@ -114,19 +91,20 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
         let few = &tables.surfaces[first as usize..][..count.min(SourceRecord::FEW) as usize];
         let is_on_lattice = |p: DVec3| (p - (p / step).round() * step).abs().max_element() <= EXACT;
         is_off |= !few.iter().all(|&triangle| corners_of(triangle).into_iter().all(is_on_lattice));
+        // Off a triangle that is a line it is no number, which is neither less nor more than others.
         let off_plane = |triangle: u32, corner: DVec3| {
             let [a, b, c] = corners_of(triangle);
-            (corner - a).dot((b - a).cross(c - a).normalize_or_zero()).abs()
+            (corner - a).dot((b - a).cross(c - a).normalize()).abs()
         };
+        if flags & PLAIN != 0 && plane != NONE {
+            most = corners.fold(most, |most, corner| most.max(off_plane(plane, corner)));
+            return;
+        }
         // Of a face that is not in one plane that of one of its triangles says nothing: that of the nearest tells.
-        let is_plain = flags & PLAIN != 0 && plane != NONE;
-        let planes = if is_plain { std::slice::from_ref(&plane) } else { few };
-        let off = |corner: DVec3| {
-            planes.iter().map(|&plane| off_plane(plane, corner)).fold(f64::INFINITY, f64::min)
+        let nearest = |corner: DVec3| {
+            few.iter().map(|&triangle| off_plane(triangle, corner)).fold(tables.scene[0].tolerance, f64::min)
         };
-        let least = if is_plain { 0.0 } else { prisms.rounding() };
-        let all = corners.map(off).filter(|off| off.is_finite()).fold(least, f64::max);
-        most = most.max(all.min(tables.scene[0].tolerance.max(least)));
+        most = corners.map(nearest).fold(most.max(prisms.rounding()), f64::max);
     };
     for (index, side) in sides.iter().enumerate() {
         for face in prisms.faces_of(side) {
@@ -150,7 +128,7 @@ fn off(tables: &Views, cell: &CellRecord) -> f64 {
 }
 
 /// How far the planes of a cell are off what it was cut around.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Fringe {
     /// Its faces, metres.
     off: f64,
